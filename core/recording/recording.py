@@ -1,0 +1,63 @@
+"""Three-tracker recordings: a headset and two hand controllers over time.
+
+Trackers are numbered 0 head, 1 left, 2 right. A device's axes are X right, Y forward (where it points), Z up; positions
+are metres in Blender's world, the floor at Z = 0.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.floating[Any]]
+
+TRACKERS = ("head", "left", "right")
+TRACKER_ROLES = ("head", "hand.L", "hand.R")
+"""The joint that each tracker is fixed to."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Mounts:
+    """How the three trackers sit on head and hands.
+
+    With a joint's world rotation since T-pose D and position p: device position = p + D offset, device rotation = D turn.
+    """
+
+    offsets: Array
+    """`(3, 3)` metres from the joint to the device, in T-pose axes."""
+    turns: Array
+    """`(3, 4)` rotation of the device in T-pose."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Recording:
+    """Positions and rotations of the three trackers over time."""
+
+    name: str
+    times: Array
+    """`(T,)` seconds, strictly increasing, from 0; evenly spaced once resampled."""
+    positions: Array
+    """`(T, 3, 3)` frame, tracker, xyz in metres."""
+    rotations: Array
+    """`(T, 3, 4)` device rotations, unit, sign-continuous."""
+    valid: NDArray[np.bool_]
+    """`(T, 3)` whether the tracker was tracked; values are finite also where it was not."""
+    mounts: Mounts
+    eye_height: float
+    """Calibrated height of the headset when its wearer stands upright, metres."""
+    file: str
+    sha256: str
+    found: dict[str, str]
+    """What the reader decided, for people: format, rate, axes, eye height ... in order of printing."""
+    doubts: tuple[str, ...]
+
+    def __len__(self) -> int:
+        return len(self.times)
+
+    @property
+    def fps(self) -> float:
+        """Mean rate in frames per second."""
+        return (len(self.times) - 1) / float(self.times[-1] - self.times[0])
