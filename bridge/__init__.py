@@ -1,0 +1,1 @@
+"""Blender's data to arrays and back."""

@@ -1,0 +1,1 @@
+"""Motion databases: virtual root, contacts, poses, features, the side-car file."""

@@ -1,0 +1,1 @@
+"""Measures of a bake, with their floors in true motion."""

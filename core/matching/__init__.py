@@ -1,0 +1,1 @@
+"""Motion matching: trajectory, search, playback, inertialization."""

@@ -1,0 +1,1 @@
+"""Quaternions, angles, kinematics and filters over arrays."""

@@ -1,0 +1,1 @@
+"""Takes: BVH in and out, skeletons, joint roles, T-poses."""

@@ -1,0 +1,1 @@
+"""Three-tracker recordings: readers, resampling, calibration, simulation from takes."""

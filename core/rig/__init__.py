@@ -1,0 +1,1 @@
+"""Rigs: retargeting, inverse kinematics, foot lock, head and hands."""

@@ -1,0 +1,1 @@
+"""Body orientation from three trackers: inputs, inference in numpy, weights, training."""

@@ -1,0 +1,1 @@
+"""Blender operators, one module a job."""

@@ -1,0 +1,1 @@
+"""Properties, panels and lists of the user interface."""
