@@ -1,0 +1,57 @@
+"""Files written whole or not at all, and their fingerprints."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import BinaryIO
+
+from .errors import InputError
+
+
+def write_atomically(path: str | os.PathLike[str], writer: Callable[[BinaryIO], object]) -> None:
+    """Write a file so that its name never stands for half of it.
+
+    `writer` is given a binary file beside the target, which takes the target's name once it is complete.
+    Whatever goes wrong, an older file of that name stays as it was and nothing is left behind. A link is followed.
+
+    Args:
+        path: the file to write; its folder must exist.
+        writer: called once with the open file.
+
+    Raises:
+        InputError: the folder is missing or cannot be written to, `path` is a folder, or the disk is full.
+    """
+    target = Path(path).resolve()
+    part = target.with_name(f".{target.name[:64]}.{os.getpid()}.part")
+    try:
+        if not target.parent.is_dir():
+            raise InputError(f"{path}: there is no folder {target.parent}; create it or choose another place")
+        if target.is_dir():
+            raise InputError(f"{path}: is a folder; give the name of a file to write")
+        with part.open("wb") as file:
+            writer(file)
+            file.flush()
+            os.fsync(file.fileno())
+        part.replace(target)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InputError(f"{path}: cannot be written ({reason}); free the place or choose another") from error
+    finally:
+        # gone already when all went well; a folder that forbids it has said so above
+        with contextlib.suppress(OSError):
+            part.unlink()
+
+
+def sha256_of(path: str | os.PathLike[str]) -> str:
+    """The SHA-256 of a file's bytes, 64 hexadecimal digits; InputError where it cannot be read."""
+    try:
+        with Path(path).open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError as error:
+        raise InputError(
+            f"{path}: cannot be read ({error.strerror or error}); check its name and rights"
+        ) from error
