@@ -1,0 +1,137 @@
+"""A motion on another skeleton: rotations since T-pose by role, spine resampled, hips scaled by leg length.
+
+Both skeletons are canonical (T-pose at zero rotation, facing +Y), so the world rotation since T-pose of a
+joint is the same statement about both bodies, whatever their rest poses and bone rolls were.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..maths import kinematics, quat
+from ..mocap.skeleton import SIDES, Motion, Skeleton
+
+Array = NDArray[np.floating[Any]]
+
+
+def retarget(motion: Motion, target: Skeleton, *, scale_travel: bool = False) -> Motion:
+    """`motion` on the skeleton `target`.
+
+    A joint takes the world rotation of the joint with its role. The spine between hips and chest and the neck
+    between chest and head are resampled along the chain where the numbers of joints differ; any other joint
+    without a counterpart follows its parent. The middle of the thigh joints keeps its height over that of the
+    T-pose, scaled by the ratio of leg lengths; its path over the ground is kept, or scaled likewise with
+    `scale_travel`.
+
+    Args:
+        motion: on any skeleton, metres.
+        target: skeleton to move.
+        scale_travel: scale the path over the ground about the world's origin by the ratio of leg lengths.
+
+    Returns:
+        The motion on `target` at the same rate; `motion` itself where the skeletons are the same.
+    """
+    source = motion.skeleton
+    if same_skeleton(source, target):
+        return motion
+    _, given = motion.forward()
+    counterparts = _chain_rotations(source, target, given)
+    rotations = np.empty((len(motion), len(target), 4))
+    for j, role in enumerate(target.roles):
+        if j in counterparts:
+            rotations[:, j] = counterparts[j]
+        elif role and source.find(role) >= 0:
+            rotations[:, j] = given[:, source.joint(role)]
+        else:
+            rotations[:, j] = rotations[:, target.parents[j]]
+    positions = _hips_positions(motion, target, given[:, 0], scale_travel)
+    return Motion(target, motion.fps, positions, kinematics.local_rotations(rotations, target.parents))
+
+
+def same_skeleton(a: Skeleton, b: Skeleton) -> bool:
+    """Whether two skeletons have the same joints, roles and proportions."""
+    return a is b or (
+        a.names == b.names
+        and a.roles == b.roles
+        and np.array_equal(a.parents, b.parents)
+        and np.array_equal(a.offsets, b.offsets)
+    )
+
+
+def path(skeleton: Skeleton, first: int, last: int) -> list[int]:
+    """Joints from `first` down to its descendant `last`, both included."""
+    joints = [last]
+    while joints[-1] != first:
+        joints.append(int(skeleton.parents[joints[-1]]))
+    return joints[::-1]
+
+
+def spine(skeleton: Skeleton) -> list[int]:
+    """Joints from the hips to the last of the back, the chest: `[0]` where the skeleton has no spine."""
+    chain = path(skeleton, 0, skeleton.joint("head"))[:-1]
+    for end in ("chest", "neck"):
+        joint = skeleton.find(end)
+        if joint in chain:
+            return chain[: chain.index(joint) + (end == "chest")]
+    return chain
+
+
+def neck(skeleton: Skeleton) -> list[int]:
+    """Joints above the chest below the head; empty where the skeleton has none."""
+    return path(skeleton, spine(skeleton)[-1], skeleton.joint("head"))[1:-1]
+
+
+def thighs_middle(skeleton: Skeleton) -> Array:
+    """Middle of the two thigh joints `(3,)` from the hips in T-pose, metres."""
+    positions = skeleton.tpose_positions()
+    thighs = positions[[skeleton.joint(f"thigh.{side}") for side in SIDES]]
+    return thighs.mean(axis=0) - positions[0]
+
+
+def _chain_rotations(source: Skeleton, target: Skeleton, given: Array) -> dict[int, Array]:
+    """World rotations `(T, 4)` of the target's joints from hips to head, by joint."""
+    spines = spine(source), spine(target)
+    heads = source.joint("head"), target.joint("head")
+    upper = [spines[0][-1], *neck(source), heads[0]], [spines[1][-1], *neck(target), heads[1]]
+    return _resample(source, target, upper, given) | _resample(source, target, spines, given)
+
+
+def _resample(
+    source: Skeleton, target: Skeleton, chains: tuple[list[int], list[int]], given: Array
+) -> dict[int, Array]:
+    """World rotations of a target chain whose two ends turn as the source chain's ends do."""
+    if len(chains[0]) == len(chains[1]):
+        return {t: given[:, s] for s, t in zip(*chains, strict=True)}
+    if len(chains[0]) == 1 or len(chains[1]) == 1:
+        return dict.fromkeys(chains[1], given[:, chains[0][0]])
+    knots, places = _arc(source, chains[0]), _arc(target, chains[1])
+    before = np.clip(np.searchsorted(knots, places, side="right") - 1, 0, len(knots) - 2)
+    shares = np.clip((places - knots[before]) / (knots[before + 1] - knots[before]), 0.0, 1.0)
+    return {
+        joint: quat.slerp(given[:, chains[0][k]], given[:, chains[0][k + 1]], share)
+        for joint, k, share in zip(chains[1], before.tolist(), shares, strict=True)
+    }
+
+
+def _arc(skeleton: Skeleton, chain: list[int]) -> Array:
+    """Place of each joint of a chain of two or more along it, from 0 at the first to 1 at the last."""
+    lengths = np.linalg.norm(skeleton.offsets[chain[1:]], axis=-1)
+    along = np.concatenate([[0.0], np.cumsum(np.maximum(lengths, 1e-6))])
+    return along / along[-1]
+
+
+def _hips_positions(motion: Motion, target: Skeleton, hips: Array, scale_travel: bool) -> Array:
+    """Hips of the target `(T, 3)`; the thighs' middle rather than the hips joint is what the legs see."""
+    source = motion.skeleton
+    ratio = target.leg_length() / source.leg_length()
+    own, others = thighs_middle(target), thighs_middle(source)
+    middle = motion.positions + quat.rotate(hips, others)
+    middle[:, 2] -= source.offsets[0, 2] + others[2]
+    middle[:, 2] *= ratio
+    middle[:, 2] += target.offsets[0, 2] + own[2]
+    if scale_travel:
+        middle[:, :2] *= ratio
+    return middle - quat.rotate(hips, own)
