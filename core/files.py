@@ -16,7 +16,8 @@ def write_atomically(path: str | os.PathLike[str], writer: Callable[[BinaryIO], 
     """Write a file so that its name never stands for half of it.
 
     `writer` is given a binary file beside the target, which takes the target's name once it is complete.
-    Whatever goes wrong, an older file of that name stays as it was and nothing is left behind. A link is followed.
+    Whatever goes wrong, an older file of that name stays as it was and nothing is left behind.
+    Links are followed.
 
     Args:
         path: the file to write; its folder must exist.
