@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import os
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import BinaryIO
@@ -45,6 +46,29 @@ def write_atomically(path: str | os.PathLike[str], writer: Callable[[BinaryIO], 
         # gone already when all went well; a folder that forbids it has said so above
         with contextlib.suppress(OSError):
             part.unlink()
+
+
+def write_through_path(path: str | os.PathLike[str], writer: Callable[[Path], object]) -> None:
+    """As `write_atomically`, for writers that want a file name instead of an open file.
+
+    `writer` is given a path of the target's name in a fresh folder beside the target, and must write there.
+
+    Raises:
+        InputError: the folder is missing or cannot be written to, or `path` is a folder.
+    """
+    target = Path(path).resolve()
+    if not target.parent.is_dir():
+        raise InputError(f"{path}: there is no folder {target.parent}; create it or choose another place")
+    if target.is_dir():
+        raise InputError(f"{path}: is a folder; give the name of a file to write")
+    try:
+        with tempfile.TemporaryDirectory(prefix=f".{target.name[:64]}.", dir=target.parent) as folder:
+            part = Path(folder) / target.name
+            writer(part)
+            part.replace(target)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InputError(f"{path}: cannot be written ({reason}); free the place or choose another") from error
 
 
 def sha256_of(path: str | os.PathLike[str]) -> str:

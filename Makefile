@@ -1,0 +1,68 @@
+# Footwork: `make demo`, `make test`, `make bench`. Needs git, make and Python 3.11 (bpy 4.5) or 3.13 (bpy 5.2).
+# A pythonX.Y on the path may be pyenv's launcher with no such version behind it: ask it, then look where pyenv keeps them.
+find_python = $(firstword $(shell for p in $$(command -v python$(1)) $$HOME/.pyenv/versions/$(1)*/bin/python$(1); do \
+	$$p -c 'import ensurepip' 2>/dev/null && echo $$p; done))
+PY311 := $(call find_python,3.11)
+PY313 := $(call find_python,3.13)
+PYTHON ?= $(or $(PY311),$(PY313),python3)
+VENV := .venv
+PY := $(VENV)/bin/python
+BPY := $(shell $(PYTHON) -c 'import sys; print({(3, 11): "bpy==4.5.15", (3, 13): "bpy==5.2.3"}.get(sys.version_info[:2], ""))')
+OTHER_BPY := $(if $(PY311),4.2.23 4.5.15 5.0.1) $(if $(PY313),5.2.3)
+TORCH ?= $(if $(filter bpy==4.5.15,$(BPY)),torch==2.13.0)
+
+export OMP_NUM_THREADS ?= 2
+export PIP_DISABLE_PIP_VERSION_CHECK = 1
+
+.PHONY: help venv demo test lint test-core test-blender zip bench clean
+
+help:
+	@echo "make demo   takes, databases and a bake from nothing: out/demo.blend, out/demo.mp4, out/demo.png"
+	@echo "make test   lint, types, all tests, and the extension in every Blender that can be had"
+	@echo "make bench  speed and memory, side by side with the alternatives"
+	@echo "make zip    the extension, dist/footwork-VERSION.zip"
+
+$(VENV)/.runtime: pyproject.toml
+	@test -n "$(BPY)" || { echo "Footwork's make needs Python 3.11 or 3.13; found $$($(PYTHON) --version). Set PYTHON=..."; exit 2; }
+	$(PYTHON) -m venv $(VENV)
+	$(VENV)/bin/pip install -q -e . $(BPY)
+	@touch $@
+
+$(VENV)/.dev: $(VENV)/.runtime
+	$(VENV)/bin/pip install -q -e ".[dev]" $(TORCH)
+	@touch $@
+
+venv: $(VENV)/.dev
+
+demo: $(VENV)/.runtime
+	timeout -k 5 900 $(PY) tools/demo.py --output out
+
+lint: $(VENV)/.dev
+	$(VENV)/bin/ruff check .
+	$(VENV)/bin/ruff format --check .
+	$(VENV)/bin/pyright
+
+test-core: $(VENV)/.dev
+	timeout -k 5 1500 $(PY) -m pytest tests --ignore=tests/blender
+
+zip: $(VENV)/.runtime
+	$(PY) tools/build_extension.py
+
+# One virtual environment for each Blender; numpy 1 for 4.2, which its wheel does not pin.
+$(VENV)-%/.ready:
+	$(if $(filter 5.2%,$*),$(PY313),$(PY311)) -m venv $(VENV)-$*
+	$(VENV)-$*/bin/pip install -q bpy==$* pytest $(if $(filter 4.2%,$*),"numpy<2")
+	@touch $@
+
+test-blender-%: $(VENV)-%/.ready zip
+	timeout -k 5 600 $(VENV)-$*/bin/python tests/blender/run.py
+
+test-blender: $(foreach version,$(OTHER_BPY),test-blender-$(version))
+
+test: lint test-core test-blender
+
+bench: $(VENV)/.dev
+	timeout -k 5 3000 $(PY) tools/bench.py
+
+clean:
+	rm -rf out dist build *.egg-info .pytest_cache .ruff_cache .hypothesis

@@ -1,0 +1,12 @@
+"""`python -m footwork VERB`: the command line where bpy, if it is needed at all, is a Python module."""
+
+import os
+import sys
+
+from .cli import main
+
+code = main()
+sys.stdout.flush()
+sys.stderr.flush()
+# some bpy modules crash or hang while Python tears them down; everything is written by now
+os._exit(code)

@@ -1,0 +1,162 @@
+"""The one way through: recording, databases, predictor, rig and settings become bone tracks and a report."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .database.motion_database import MotionDatabase
+from .errors import InputError
+from .evaluation.metrics import bake_metrics
+from .jobs import Job, part
+from .matching.inertialization import assemble
+from .matching.playback import Playback, match
+from .matching.trajectory import plan_trajectory
+from .mocap.skeleton import Motion, Skeleton
+from .recording.body import joint_targets, scale
+from .recording.recording import Recording
+from .recording.resample import resample
+from .rig.avatar import animate
+from .rig.fit import fit_rig, rig_from_skeleton, to_bone_tracks
+from .rig.rig import BoneTracks, Rig
+from .settings import BakeSettings, check
+
+Array = NDArray[np.floating[Any]]
+
+REPORT_FORMAT = "footwork-bake-report"
+REPORT_SCHEMA = 1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BakeResult:
+    """What a bake gives: keys for the rig, and how good they are."""
+
+    rig: Rig
+    tracks: BoneTracks
+    motion: Motion
+    """The avatar on the rig's own skeleton in the world, metres, at the databases' rate."""
+    contacts: NDArray[np.bool_]
+    """`(T, 2)` left, right foot held on the ground."""
+    playback: Playback
+    transition_times: Array
+    """`(K,)` seconds at which the motion changes its place in the databases."""
+    report: dict[str, Any]
+    """JSON-ready: metrics, timing, settings, inputs, warnings (DESIGN, "Interfaces")."""
+    warnings: tuple[str, ...]
+
+
+def bake(
+    recording: Recording,
+    databases: Sequence[MotionDatabase],
+    predict: Callable[[Recording], Array],
+    rig: Rig | None,
+    settings: BakeSettings,
+    *,
+    output_fps: float | None = None,
+    truth: Motion | None = None,
+) -> Job[BakeResult]:
+    """Animate a rig from a recording.
+
+    Args:
+        recording: the three trackers, at any rate.
+        databases: one or more motion databases; the first gives the skeleton and the rate.
+        predict: body yaws `(T,)` in radians of a recording at the databases' rate.
+        rig: the rig to animate; None makes one from the first database's skeleton.
+        settings: every control.
+        output_fps: rate of the bone tracks; the databases' rate by default.
+        truth: the user's true motion at the databases' rate, in the world of the recording: adds the errors that
+            need it and the floors of the others.
+
+    Raises:
+        InputError: settings out of bounds, no database, databases or rig that do not fit.
+    """
+    check(settings)
+    if not databases:
+        raise InputError("no motion database given: build one from takes first")
+    clock = _Clock()
+    fps = databases[0].fps
+    rig = rig or rig_from_skeleton(databases[0].skeleton, databases[0].name)
+    fit = fit_rig(rig)
+    recording = resample(recording, fps)
+
+    yield 0.02, "Predicting body orientation"
+    yaws = predict(recording)
+    clock.lap("orientation")
+
+    to_database = _fitting_scale(recording, databases[0].skeleton)
+    to_rig = _fitting_scale(recording, fit.skeleton) if settings.scale_to_rig else 1.0
+    # alpha is metres on the rig: the search works on the database's own body size
+    sized = replace(settings, alpha=settings.alpha * to_database / to_rig)
+    plan = plan_trajectory(scale(recording, to_database), yaws, sized)
+    playback = yield from part(match(plan, databases, sized), 0.05, 0.6)
+    clock.lap("search")
+
+    yield 0.6, "Blending poses"
+    motion, contacts = assemble(playback, databases, sized)
+    clock.lap("blending")
+
+    yield 0.75, "Fitting the rig"
+    trackers = scale(recording, to_rig)
+    matched = scale_motion(motion, to_rig / to_database)
+    avatar = animate(matched, contacts, trackers, fit.skeleton, settings)
+    clock.lap("rig")
+
+    yield 0.9, "Making keys"
+    tracks = to_bone_tracks(avatar.motion, fit, output_fps or fps)
+    clock.lap("keys")
+
+    yield 0.95, "Measuring"
+    metrics = measure(avatar, playback, yaws, to_rig / to_database, truth)
+    clock.lap("measures")
+    warnings = tuple(recording.doubts)
+    report = {
+        "format": REPORT_FORMAT,
+        "schema": REPORT_SCHEMA,
+        "metrics": metrics,
+        "timing_s": {**clock.laps, "recorded": float(recording.times[-1])},
+        "settings": asdict(settings),
+        "inputs": _inputs(recording, databases),
+        "scale": {"user_to_rig": to_rig, "user_to_database": to_database},
+        "warnings": list(warnings),
+    }
+    return BakeResult(
+        rig, tracks, avatar.motion, avatar.contacts, playback, playback.transitions / fps, report, warnings
+    )
+
+
+def scale_motion(motion: Motion, factor: float) -> Motion:
+    """A motion of a body `factor` times as large, about the floor point under the world's origin."""
+    skeleton = replace(motion.skeleton, offsets=motion.skeleton.offsets * factor, tips=motion.skeleton.tips * factor)
+    return replace(motion, skeleton=skeleton, positions=motion.positions * factor)
+
+
+def _fitting_scale(recording: Recording, skeleton: Skeleton) -> float:
+    """How many times as large as the user a skeleton is, by the standing height of the head joint."""
+    head = skeleton.tpose_positions()[skeleton.joint("head"), 2]
+    return float(head / (recording.eye_height - recording.mounts.offsets[0, 2]))
+
+
+def _inputs(recording: Recording, databases: Sequence[MotionDatabase]) -> list[dict[str, str]]:
+    rows = [{"kind": "recording", "name": recording.file, "sha256": recording.sha256}]
+    for database in databases:
+        sha = database.provenance.get("sha256", "")
+        rows.append({"kind": "database", "name": database.name, "sha256": sha})
+    return rows
+
+
+class _Clock:
+    """Seconds spent on each stage."""
+
+    def __init__(self) -> None:
+        self.laps: dict[str, float] = {}
+        self._last = time.perf_counter()
+
+    def lap(self, stage: str) -> None:
+        now = time.perf_counter()
+        self.laps[stage] = now - self._last
+        self._last = now
