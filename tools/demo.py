@@ -1,0 +1,76 @@
+"""From nothing to an animated character: demo takes, databases, a recording, a bake, pictures.
+
+Writes into the output folder: the takes (.bvh), the databases (.npz), the recording (.csv), demo.blend, demo.mp4, demo.png
+(a contact sheet) and report.json.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from pathlib import Path
+
+import bpy
+import numpy as np
+from footwork.cli import main as footwork
+from footwork.core.mocap.bvh import write_bvh
+from footwork.core.mocap.demo import demo_motion
+from footwork.core.mocap.export import to_bvh
+from render import contact_sheet, film, stage
+
+DATABASES = {"walk": ("walk", "turn", "sidestep"), "crouch": ("crouch",)}
+RANGES = {"walk": ("0.88", "2"), "crouch": ("0", "0.88")}
+USER = "visit"
+
+
+def verb(*arguments: str) -> None:
+    """Run one verb of the command line; stop at the first that fails."""
+    print("\n$ footwork", " ".join(arguments), flush=True)
+    code = footwork(arguments)
+    if code:
+        finish(code)
+
+
+def finish(code: int) -> None:
+    """End without Python's teardown, at which some bpy modules crash or hang."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(code)
+
+
+def make_takes(folder: Path) -> None:
+    """The takes of both databases, and the user's, which is in neither."""
+    for seed, script in enumerate(("walk", "turn", "sidestep", "crouch", USER)):
+        height = 1.68 if script == USER else 1.75
+        motion = demo_motion(script, seed, height=height)
+        write_bvh(folder / f"{script}.bvh", to_bvh(motion, script))
+
+
+def main() -> None:
+    """Run the demo."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--output", type=Path, default=Path("out"), help="folder to write into")
+    parser.add_argument("--no-pictures", action="store_true", help="leave out the film and the contact sheet")
+    options = parser.parse_args()
+    out: Path = options.output
+    out.mkdir(parents=True, exist_ok=True)
+    make_takes(out)
+    for name, scripts in DATABASES.items():
+        takes = [str(out / f"{script}.bvh") for script in scripts]
+        verb("build-database", *takes, "-o", str(out / f"{name}.npz"), "--mirror", "--height-range", *RANGES[name])
+    verb("simulate-recording", str(out / f"{USER}.bvh"), "-o", str(out / "recording.csv"))
+    databases = [part for name in DATABASES for part in ("--database", str(out / f"{name}.npz"))]
+    verb("bake", str(out / "recording.csv"), *databases, "-o", str(out / "demo.blend"), "--json", str(out / "report.json"))
+    if not options.no_pictures:
+        bpy.ops.wm.open_mainfile(filepath=str(out / "demo.blend"))
+        camera = stage(bpy.context.scene)
+        frames = np.linspace(bpy.context.scene.frame_start, bpy.context.scene.frame_end, 12).round().astype(int)
+        contact_sheet(bpy.context.scene, camera, frames, out / "demo.png")
+        film(bpy.context.scene, camera, out / "demo.mp4")
+        print(f"\npictures: {out / 'demo.png'}, {out / 'demo.mp4'}")
+    finish(0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,138 @@
+"""Pictures of an animated armature: a contact sheet and a film, by Blender's Workbench, without a screen."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+import bpy
+import numpy as np
+from mathutils import Vector
+
+WIDTH, HEIGHT = 480, 360
+FILM_FPS = 20
+
+
+def stage(scene: bpy.types.Scene) -> bpy.types.Object:
+    """Add a floor, bodies on the armatures' bones where no mesh shows them, and a camera; return the camera."""
+    for armature in [obj for obj in scene.objects if obj.type == "ARMATURE"]:
+        if not any(obj.type == "MESH" and obj.find_armature() == armature for obj in scene.objects):
+            _flesh(scene, armature)
+    _floor(scene)
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    camera.data.lens = 40
+    scene.collection.objects.link(camera)
+    scene.camera = camera
+    render = scene.render
+    render.engine = "BLENDER_WORKBENCH"
+    render.resolution_x, render.resolution_y, render.resolution_percentage = WIDTH, HEIGHT, 100
+    shading = scene.display.shading
+    shading.light, shading.color_type, shading.show_shadows, shading.show_cavity = "STUDIO", "OBJECT", True, True
+    return camera
+
+
+def contact_sheet(
+    scene: bpy.types.Scene, camera: bpy.types.Object, frames: Sequence[int], target: Path, columns: int = 4
+) -> None:
+    """One PNG with the given frames in reading order."""
+    with tempfile.TemporaryDirectory() as folder:
+        tiles = [_shot(scene, camera, int(frame), Path(folder) / f"{i}.png") for i, frame in enumerate(frames)]
+    blank = np.ones_like(tiles[0])
+    tiles += [blank] * (-len(tiles) % columns)
+    rows = [np.concatenate(tiles[i : i + columns], axis=1) for i in range(0, len(tiles), columns)]
+    sheet = np.concatenate(rows[::-1], axis=0)
+    image = bpy.data.images.new("sheet", sheet.shape[1], sheet.shape[0])
+    image.pixels.foreach_set(sheet.ravel())
+    image.filepath_raw, image.file_format = str(target.resolve()), "PNG"
+    image.save()
+    bpy.data.images.remove(image)
+
+
+def film(scene: bpy.types.Scene, camera: bpy.types.Object, target: Path, seconds: float = 20.0) -> None:
+    """An H.264 film of the scene from its start, `seconds` long at most."""
+    rate = scene.render.fps / scene.render.fps_base
+    step = max(1, round(rate / FILM_FPS))
+    last = min(scene.frame_end, scene.frame_start + round(seconds * rate))
+    for frame in range(scene.frame_start, last + 1, step):
+        scene.frame_set(frame)
+        _aim(camera, _subject(scene))
+        camera.keyframe_insert("location", frame=frame)
+        camera.keyframe_insert("rotation_euler", frame=frame)
+    settings = scene.render.image_settings
+    if hasattr(settings, "media_type"):
+        settings.media_type = "VIDEO"
+    settings.file_format = "FFMPEG"
+    scene.render.ffmpeg.format, scene.render.ffmpeg.codec = "MPEG4", "H264"
+    scene.render.ffmpeg.constant_rate_factor = "MEDIUM"
+    scene.render.fps, scene.render.fps_base = max(1, round(rate / step)), 1.0
+    scene.frame_step, scene.frame_end = step, last
+    scene.render.filepath, scene.render.use_file_extension = str(target.resolve()), False
+    bpy.ops.render.render(animation=True)
+
+
+def _shot(scene: bpy.types.Scene, camera: bpy.types.Object, frame: int, path: Path) -> np.ndarray:
+    scene.frame_set(frame)
+    _aim(camera, _subject(scene))
+    settings = scene.render.image_settings
+    if hasattr(settings, "media_type"):
+        settings.media_type = "IMAGE"
+    settings.file_format = "PNG"
+    scene.render.filepath = str(path)
+    bpy.ops.render.render(write_still=True)
+    image = bpy.data.images.load(str(path))
+    pixels = np.empty(len(image.pixels), dtype=np.float32)
+    image.pixels.foreach_get(pixels)
+    bpy.data.images.remove(image)
+    return pixels.reshape(HEIGHT, WIDTH, -1)
+
+
+def _subject(scene: bpy.types.Scene) -> Vector:
+    """Middle of the first armature's bones in the world."""
+    armature = next(obj for obj in scene.objects if obj.type == "ARMATURE")
+    heads = [armature.matrix_world @ bone.head for bone in armature.pose.bones]
+    return sum(heads, Vector()) / len(heads)
+
+
+def _aim(camera: bpy.types.Object, subject: Vector) -> None:
+    centre = Vector((subject.x, subject.y, 0.85))
+    camera.location = centre + Vector((2.2, -3.2, 0.8))
+    camera.rotation_euler = (centre - camera.location).to_track_quat("-Z", "Y").to_euler()
+
+
+def _flesh(scene: bpy.types.Scene, armature: bpy.types.Object) -> None:
+    """A capsule-like box on every bone, parented to it, so that a bare armature shows in renders."""
+    for bone in armature.data.bones:
+        half = 0.5 * bone.length
+        width = min(max(0.16 * bone.length, 0.025), 0.07)
+        corners = [(x, y, z) for y in (-0.98 * half, 0.98 * half) for x in (-width, width) for z in (-width, width)]
+        faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 2, 6, 4), (1, 5, 7, 3), (0, 4, 5, 1), (2, 3, 7, 6)]
+        mesh = bpy.data.meshes.new(bone.name)
+        mesh.from_pydata(corners, [], faces)
+        body = bpy.data.objects.new(bone.name, mesh)
+        scene.collection.objects.link(body)
+        body.parent, body.parent_type, body.parent_bone = armature, "BONE", bone.name
+        body.location = (0.0, -half, 0.0)
+        body.color = _colour(bone.name)
+
+
+def _colour(name: str) -> tuple[float, float, float, float]:
+    """Left warm, right cold, centre light: a twisted limb shows at once."""
+    lowered = name.lower()
+    if "left" in lowered or lowered.endswith((".l", "_l")):
+        return (0.85, 0.35, 0.20, 1.0)
+    if "right" in lowered or lowered.endswith((".r", "_r")):
+        return (0.20, 0.45, 0.85, 1.0)
+    return (0.75, 0.75, 0.72, 1.0)
+
+
+def _floor(scene: bpy.types.Scene) -> None:
+    """A chequered floor of one-metre tiles."""
+    for shade, odd in ((0.32, 0), (0.40, 1)):
+        tiles = [(x, y) for x in range(-12, 12) for y in range(-12, 12) if (x + y) % 2 == odd]
+        corners = [(x + dx, y + dy, 0.0) for x, y in tiles for dx, dy in ((0, 0), (1, 0), (1, 1), (0, 1))]
+        mesh = bpy.data.meshes.new("Floor")
+        mesh.from_pydata(corners, [], [tuple(range(4 * i, 4 * i + 4)) for i in range(len(tiles))])
+        floor = bpy.data.objects.new("Floor", mesh)
+        floor.color = (shade, shade, shade, 1.0)
+        scene.collection.objects.link(floor)
