@@ -1,0 +1,142 @@
+"""Pose tracks to one action: bulk keys on mapped bones, and nothing else of the scene touched."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core.errors import InputError
+from ..core.rig.rig import BoneTracks
+from . import compat, rotations
+
+Array = NDArray[np.floating[Any]]
+
+MADE_BY = "footwork"
+"""Custom property on actions that Footwork wrote."""
+
+
+def scene_fps(scene: bpy.types.Scene) -> float:
+    """True frame rate of a scene."""
+    return scene.render.fps / scene.render.fps_base
+
+
+def check_writable(obj: bpy.types.Object) -> None:
+    """Raise InputError where an action cannot be given to this object."""
+    if obj.library is not None:
+        raise InputError(
+            f"{obj.name}: it is linked from {obj.library.name}; make a library override of it first"
+        )
+    if obj.animation_data is not None and obj.animation_data.use_tweak_mode:
+        raise InputError(f"{obj.name}: an NLA strip of it is being tweaked; leave tweak mode first")
+
+
+def write_action(
+    obj: bpy.types.Object,
+    tracks: BoneTracks,
+    name: str,
+    *,
+    fps: float,
+    frame_start: float = 1.0,
+    marker_times: Sequence[float] = (),
+    keep_previous: bool = True,
+) -> bpy.types.Action:
+    """Give an armature object a new action made of pose tracks.
+
+    Rotations are keyed in each bone's own rotation mode, the hips' location too; bones between keyed ones are put at
+    rest, because no key would hold them there. The object's transform, rest pose and other actions stay as they are.
+
+    Args:
+        obj: an armature object that has all bones of `tracks`.
+        tracks: what to key; resampled to `fps` already, or the keys fall between frames.
+        name: name of the new action.
+        fps: the scene's true frame rate.
+        frame_start: frame of the first key.
+        marker_times: seconds from the first key at which pose markers are set.
+        keep_previous: keep the object's present action with a fake user; else, where Footwork wrote it and nothing
+            else uses it, it is removed.
+
+    Raises:
+        InputError: a bone is missing, or the object is linked or in NLA tweak mode.
+    """
+    check_writable(obj)
+    missing = [bone for bone in tracks.bones if bone not in obj.pose.bones]
+    if missing:
+        raise InputError(f"{obj.name}: it has no bone {missing[0]!r} any more; check its role map")
+    data = obj.animation_data_create()
+    previous = data.action
+    action = bpy.data.actions.new(name)
+    action[MADE_BY] = True
+    compat.assign_action(obj, action)
+    _release(previous, keep_previous)
+    _rest_between(obj, tracks.bones)
+
+    frames = frame_start + np.arange(len(tracks.rotations)) * (fps / tracks.fps)
+    hips = obj.pose.bones[tracks.bones[0]]
+    _key(action, obj, hips.path_from_id("location"), hips.name, frames, tracks.locations)
+    for index, bone in enumerate(tracks.bones):
+        pose_bone = obj.pose.bones[bone]
+        values = rotations.channels(tracks.rotations[:, index], pose_bone.rotation_mode)
+        path = pose_bone.path_from_id(rotations.property_of(pose_bone.rotation_mode))
+        _key(action, obj, path, bone, frames, values)
+    for time in marker_times:
+        frame = round(frame_start + time * fps)
+        action.pose_markers.new("T").frame = frame
+    return action
+
+
+def key_transform(
+    obj: bpy.types.Object, positions: Array, quaternions: Array, name: str, fps: float, frame_start: float
+) -> bpy.types.Action:
+    """Give an object a new action that moves it through positions `(T, 3)` and rotations `(T, 4)` at `fps`."""
+    action = bpy.data.actions.new(name)
+    action[MADE_BY] = True
+    compat.assign_action(obj, action)
+    frames = frame_start + np.arange(len(positions), dtype=np.float64)
+    _key(action, obj, "location", "Object Transforms", frames, positions)
+    path = rotations.property_of(obj.rotation_mode)
+    _key(action, obj, path, "Object Transforms", frames, rotations.channels(quaternions, obj.rotation_mode))
+    return action
+
+
+def _release(previous: bpy.types.Action | None, keep: bool) -> None:
+    if previous is None or previous.library is not None:
+        return
+    if keep or not previous.get(MADE_BY):
+        previous.use_fake_user = True
+    elif previous.users - previous.use_fake_user == 0:
+        bpy.data.actions.remove(previous)
+
+
+def _rest_between(obj: bpy.types.Object, bones: Sequence[str]) -> None:
+    keyed = set(bones)
+    between: set[str] = set()
+    for bone in bones:
+        between.update(parent.name for parent in obj.pose.bones[bone].parent_recursive)
+    for name in between - keyed:
+        obj.pose.bones[name].matrix_basis.identity()
+    for name in keyed:
+        pose_bone = obj.pose.bones[name]
+        pose_bone.scale = (1.0, 1.0, 1.0)
+        pose_bone.location = (0.0, 0.0, 0.0)
+
+
+def _key(
+    action: bpy.types.Action, owner: bpy.types.Object, path: str, group: str, frames: Array, values: Array
+) -> None:
+    for channel in range(values.shape[1]):
+        track = values[:, channel].astype(np.float32)
+        needed = np.ones(len(track), dtype=bool)
+        needed[1:-1] = (track[1:-1] != track[:-2]) | (track[1:-1] != track[2:])
+        points = np.empty((int(needed.sum()), 2), dtype=np.float32)
+        points[:, 0], points[:, 1] = frames[needed], track[needed]
+        curve = compat.ensure_fcurve(action, owner, path, channel, group)
+        curve.keyframe_points.add(len(points))
+        curve.keyframe_points.foreach_set("co", points.ravel())
+        curve.keyframe_points.foreach_set(
+            "interpolation", np.full(len(points), compat.LINEAR, dtype=np.int32)
+        )
+        curve.update()

@@ -1,0 +1,188 @@
+"""Armature objects as rigs, and rigs as new armature objects."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import lru_cache
+
+import bpy
+import numpy as np
+from mathutils import Matrix
+
+from ..core.errors import InputError
+from ..core.mocap.roles import match_roles
+from ..core.mocap.skeleton import REQUIRED_ROLES, ROLES
+from ..core.rig.rig import Rig
+
+ROLE_MAP = "footwork_roles"
+"""Custom property of an armature object: role -> bone name for what was set by hand, "" for "no bone"."""
+
+
+def armature_to_rig(obj: bpy.types.Object, metres_per_unit: float = 1.0) -> Rig:
+    """Read the rest pose and world transform of an armature object.
+
+    Roles come from the bone names, and from the object's role map where that says otherwise.
+
+    Args:
+        obj: the armature object.
+        metres_per_unit: scale of the scene's unit; becomes part of the rig's world transform.
+
+    Raises:
+        InputError: it is no armature, or required roles are without a bone.
+    """
+    names, parents, bones = _hierarchy(obj)
+    roles = _roles(obj, names, role_map(obj))
+    world = np.array(obj.matrix_world, dtype=np.float64)
+    world[:3] *= metres_per_unit
+    return Rig(
+        name=obj.name,
+        bones=names,
+        parents=np.array(parents, dtype=np.intp),
+        rest=np.array([bone.matrix_local for bone in bones], dtype=np.float64).reshape(-1, 4, 4),
+        tails=np.array([bone.tail_local for bone in bones], dtype=np.float64).reshape(-1, 3),
+        world=world,
+        roles=roles,
+    )
+
+
+def detected_roles(obj: bpy.types.Object) -> dict[str, str]:
+    """Role -> bone name as found from the names alone; empty where no preset fits."""
+    names, parents, _ = _hierarchy(obj)
+    return dict(_detect(names, parents)[1])
+
+
+def detected_preset(obj: bpy.types.Object) -> tuple[str, tuple[str, ...]]:
+    """Name of the naming that fits the armature ("" for none), and what is doubtful about it."""
+    names, parents, _ = _hierarchy(obj)
+    preset, _, doubts = _detect(names, parents)
+    return preset, doubts
+
+
+def role_map(obj: bpy.types.Object) -> dict[str, str]:
+    """Role -> bone name in use: what was detected, overruled by what was set by hand."""
+    return {**detected_roles(obj), **role_overrides(obj)}
+
+
+def role_overrides(obj: bpy.types.Object) -> dict[str, str]:
+    """Role -> bone name as set by hand."""
+    stored = obj.get(ROLE_MAP)
+    return {} if stored is None else {role: bone for role, bone in stored.to_dict().items() if role in ROLES}
+
+
+def set_role(obj: bpy.types.Object, role: str, bone: str) -> None:
+    """Set by hand which bone plays a role; "" for none. The detected bone removes the entry."""
+    overrides = role_overrides(obj)
+    overrides.pop(role, None)
+    if detected_roles(obj).get(role, "") != bone:
+        overrides[role] = bone
+    set_roles(obj, overrides)
+
+
+def set_roles(obj: bpy.types.Object, overrides: Mapping[str, str]) -> None:
+    """Replace everything that was set by hand; an empty map goes back to what is detected."""
+    if overrides:
+        obj[ROLE_MAP] = dict(overrides)
+    elif ROLE_MAP in obj:
+        del obj[ROLE_MAP]
+
+
+def rig_doubts(obj: bpy.types.Object) -> tuple[str, ...]:
+    """One line for each thing on the armature that will show in, or spoil, a bake."""
+    mapped = [obj.pose.bones[bone] for bone in role_map(obj).values() if bone in obj.pose.bones]
+    doubts = list(detected_preset(obj)[1])
+    constrained = [bone.name for bone in mapped if any(not c.mute for c in bone.constraints)]
+    if constrained:
+        doubts.append(f"Constraints act on {_some(constrained)} and go on top of the bake")
+    loose = [bone.name for bone in mapped if bone.parent and not bone.bone.use_inherit_rotation]
+    if loose:
+        doubts.append(f"{_some(loose)}: Inherit Rotation is off, the pose will differ")
+    data = obj.animation_data
+    if data is not None and any(not track.mute for track in data.nla_tracks):
+        doubts.append("NLA tracks are active and play below the bake")
+    if data is not None and any("rotation" in driver.data_path for driver in data.drivers):
+        doubts.append("Drivers act on rotations and win over keys")
+    return tuple(doubts)
+
+
+def create_armature(
+    rig: Rig, name: str, collection: bpy.types.Collection, metres_per_unit: float = 1.0
+) -> bpy.types.Object:
+    """Make a new armature object from a rig, its bones in quaternion mode, and leave the mode as it was.
+
+    `collection` must be visible in the active view layer.
+    """
+    layer = bpy.context.view_layer
+    before = layer.objects.active
+    mode = before.mode if before is not None else "OBJECT"
+    if mode != "OBJECT":
+        bpy.ops.object.mode_set(mode="OBJECT")
+    obj = bpy.data.objects.new(name, bpy.data.armatures.new(name))
+    collection.objects.link(obj)
+    layer.objects.active = obj
+    bpy.ops.object.mode_set(mode="EDIT")
+    bones = []
+    for index, bone in enumerate(rig.bones):
+        edit = obj.data.edit_bones.new(bone)
+        length = float(np.linalg.norm(rig.tails[index] - rig.rest[index, :3, 3]))
+        # Blender drops bones without length when edit mode is left
+        edit.tail = (0.0, max(length, 1e-3), 0.0)
+        edit.matrix = Matrix(rig.rest[index].tolist())
+        edit.parent = bones[rig.parents[index]] if rig.parents[index] >= 0 else None
+        bones.append(edit)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    world = np.array(rig.world, dtype=np.float64)
+    world[:3] /= metres_per_unit
+    obj.matrix_world = Matrix(world.tolist())
+    layer.objects.active = before
+    if mode != "OBJECT":
+        bpy.ops.object.mode_set(mode=mode)
+    layer.update()
+    return obj
+
+
+def _hierarchy(
+    obj: bpy.types.Object,
+) -> tuple[tuple[str, ...], tuple[int, ...], list[bpy.types.Bone]]:
+    if obj.type != "ARMATURE":
+        raise InputError(f"{obj.name}: it is a {obj.type.lower()}, not an armature")
+    bones: list[bpy.types.Bone] = []
+    waiting = [bone for bone in obj.data.bones if bone.parent is None]
+    while waiting:
+        bone = waiting.pop(0)
+        bones.append(bone)
+        waiting[:0] = bone.children
+    names = tuple(bone.name for bone in bones)
+    index = {name: number for number, name in enumerate(names)}
+    parents = tuple(-1 if bone.parent is None else index[bone.parent.name] for bone in bones)
+    return names, parents, bones
+
+
+@lru_cache(maxsize=16)
+def _detect(
+    names: tuple[str, ...], parents: tuple[int, ...]
+) -> tuple[str, tuple[tuple[str, str], ...], tuple[str, ...]]:
+    try:
+        match = match_roles(names, np.array(parents, dtype=np.intp))
+    except InputError:
+        return "", (), ()
+    pairs = tuple((role, name) for role, name in zip(match.roles, names, strict=True) if role)
+    return match.preset, pairs, tuple(match.doubts)
+
+
+def _roles(obj: bpy.types.Object, names: tuple[str, ...], wanted: Mapping[str, str]) -> tuple[str, ...]:
+    chosen = {role: bone for role, bone in wanted.items() if bone}
+    absent = [bone for bone in chosen.values() if bone not in names]
+    if absent:
+        raise InputError(f"{obj.name}: its role map names {absent[0]!r}, which it has not; choose another bone")
+    twice = [bone for bone in chosen.values() if list(chosen.values()).count(bone) > 1]
+    if twice:
+        raise InputError(f"{obj.name}: {twice[0]!r} has two roles in its role map; leave one")
+    without = [role for role in REQUIRED_ROLES if role not in chosen]
+    if without:
+        raise InputError(f"{obj.name}: no bone for {', '.join(without)}; set them in the role map")
+    role_of = {bone: role for role, bone in chosen.items()}
+    return tuple(role_of.get(name, "") for name in names)
+
+
+def _some(names: list[str]) -> str:
+    return ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")

@@ -1,0 +1,51 @@
+"""The one place that knows how Blender's animation API differs between 4.2 and 5.2."""
+
+from __future__ import annotations
+
+import bpy
+
+LINEAR: int = bpy.types.Keyframe.bl_rna.properties["interpolation"].enum_items["LINEAR"].value
+"""Number of linear interpolation, for `foreach_set`."""
+
+
+def ensure_fcurve(
+    action: bpy.types.Action, owner: bpy.types.ID, path: str, index: int, group: str
+) -> bpy.types.FCurve:
+    """The action's F-curve of one property of `owner`, made where it is missing.
+
+    The action must be the one assigned to `owner`; where actions have slots (4.4 on) the owner's is made and assigned.
+    """
+    if bpy.app.version >= (5, 0, 0):
+        return action.fcurve_ensure_for_datablock(owner, path, index=index, group_name=group)
+    if bpy.app.version >= (4, 4, 0):
+        curve = action.fcurve_ensure_for_datablock(owner, path, index=index)
+        if curve.group is None:
+            bag = action.layers[0].strips[0].channelbag(owner.animation_data.action_slot)
+            curve.group = bag.groups.get(group) or bag.groups.new(group)
+        return curve
+    return action.fcurves.find(path, index=index) or action.fcurves.new(path, index=index, action_group=group)
+
+
+def assign_action(owner: bpy.types.ID, action: bpy.types.Action) -> None:
+    """Make `action` the owner's, with its slot where actions have slots, so that it plays."""
+    data = owner.animation_data_create()
+    data.action = action
+    if bpy.app.version >= (4, 4, 0) and data.action_slot is None and len(data.action_suitable_slots):
+        data.action_slot = data.action_suitable_slots[0]
+
+
+def fcurves_of(owner: bpy.types.ID) -> list[bpy.types.FCurve]:
+    """The F-curves that animate `owner` through its action."""
+    data = owner.animation_data
+    if data is None or data.action is None:
+        return []
+    if bpy.app.version < (4, 4, 0):
+        return list(data.action.fcurves)
+    return [
+        curve
+        for layer in data.action.layers
+        for strip in layer.strips
+        for bag in strip.channelbags
+        if bag.slot_handle == data.action_slot_handle
+        for curve in bag.fcurves
+    ]

@@ -1,0 +1,169 @@
+"""Motion databases: build one from the takes, and the list of those that a bake uses."""
+
+from pathlib import Path
+
+import bpy
+from bpy.props import CollectionProperty, IntProperty, StringProperty
+from bpy_extras.io_utils import ImportHelper
+
+from ..bridge.lookup import find_scene
+from ..bridge.settings import read_settings
+from ..core.database.build import build_database
+from ..core.database.describe import describe_database
+from ..core.database.sidecar import load_database, save_database
+from ..core.errors import InputError
+from ..core.jobs import part
+from ..core.mocap.takes import load_take
+from ..core.settings import DatabaseSettings
+from . import files
+from .job_operator import JobOperator
+
+
+class FOOTWORK_OT_build_database(JobOperator, bpy.types.Operator):
+    """Build a motion database from the takes that are ticked, save it and add it to the list below"""
+
+    bl_idname = "footwork.build_database"
+    bl_label = "Build Database"
+    bl_options = {"REGISTER", "UNDO"}
+    title = "Building the database"
+
+    filepath: StringProperty(
+        name="Save As", description="File to write; empty for the panel's", subtype="FILE_PATH", options={"SKIP_SAVE"}
+    )
+
+    @classmethod
+    def refusal(cls, context):
+        takes = context.scene.footwork.takes
+        if not takes:
+            return "Add takes first"
+        return "" if any(take.use and take.state != "FAULT" for take in takes) else "Tick at least one usable take"
+
+    def start(self, context):
+        footwork = context.scene.footwork
+        self._scene = context.scene.name
+        settings = read_settings(footwork.database_settings, DatabaseSettings)
+        if settings.height_low >= settings.height_high:
+            raise InputError("the height range is empty: From must be less than To")
+        self._path = database_path(footwork, self.filepath)
+        takes = [bpy.path.abspath(take.path) for take in footwork.takes if take.use and take.state != "FAULT"]
+        tags = tuple(tag.strip() for tag in footwork.database_tags.split(",") if tag.strip())
+        return _build(takes, settings, self._path, tags)
+
+    def finish(self, context, result):
+        database, doubts = result
+        save_database(self._path, database)
+        scene = find_scene(self._scene)
+        _show(scene.footwork, self._path, database)
+        for doubt in doubts:
+            self.report({"WARNING"}, doubt)
+        minutes = len(database) / database.fps / 60
+        self.report(
+            {"INFO"}, f"{self._path.name}: {len(database)} frames, {minutes:.1f} min in {len(database.clips)} clips"
+        )
+
+
+def database_path(footwork: bpy.types.PropertyGroup, override: str = "") -> Path:
+    """Where the next database is written: as said, or a name after the .blend beside it."""
+    said = override or footwork.database_path
+    if said:
+        return Path(bpy.path.abspath(said)).with_suffix(".npz")
+    stem = Path(bpy.data.filepath).stem if bpy.data.filepath else "footwork"
+    return Path(files.beside_blend(f"{stem}_database.npz"))
+
+
+def _build(paths, settings, target, tags):
+    if not target.parent.is_dir():
+        raise InputError(f"{target.parent}: no such folder; choose another file under Save As")
+    takes, doubts = [], []
+    for number, path in enumerate(paths):
+        yield 0.5 * number / len(paths), f"Reading {Path(path).name}"
+        take = load_take(path, settings.fps)
+        takes.append(take)
+        doubts.extend(f"{take.name}: {doubt}" for doubt in take.doubts)
+    job = build_database(takes, settings, name=target.stem, tags=tags)
+    database = yield from part(job, 0.5, 1.0)
+    return database, doubts
+
+
+def _show(footwork, path: Path, database) -> None:
+    """Put a database in the list, over its older version where the file is in it already."""
+    rows = [row for row in footwork.databases if Path(bpy.path.abspath(row.path)) == path]
+    row = rows[0] if rows else footwork.databases.add()
+    row.path, row.name = files.stored(str(path)), database.name
+    row.height_low, row.height_high = database.height_range
+    row.state, row.seconds = "OK", len(database) / database.fps
+    described = describe_database(database)
+    row.found = "\n".join(f"{name}\t{value}" for name, value in _lines(described))
+    row.doubts = ""
+    footwork.database_index = list(footwork.databases).index(row)
+
+
+def _lines(described: dict) -> list[tuple[str, str]]:
+    return [(key.replace("_", " "), str(value)) for key, value in described.items()]
+
+
+class FOOTWORK_OT_add_database(bpy.types.Operator, ImportHelper):
+    """Add motion databases that were built before"""
+
+    bl_idname = "footwork.add_database"
+    bl_label = "Add Database"
+    bl_options = {"REGISTER", "UNDO"}
+
+    directory: StringProperty(subtype="DIR_PATH", options={"SKIP_SAVE", "HIDDEN"})
+    files: CollectionProperty(type=bpy.types.OperatorFileListElement, options={"SKIP_SAVE", "HIDDEN"})
+    filter_glob: StringProperty(default="*.npz", options={"HIDDEN"})
+    filename_ext = ".npz"
+
+    def execute(self, context):
+        try:
+            loaded = [(Path(path), load_database(path)) for path in files.chosen(self)]
+        except InputError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        for path, database in loaded:
+            _show(context.scene.footwork, path, database)
+        return {"FINISHED"}
+
+
+class FOOTWORK_OT_remove_database(bpy.types.Operator):
+    """Take the selected database off the list; its file stays"""
+
+    bl_idname = "footwork.remove_database"
+    bl_label = "Remove Database"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return files.poll_active(cls, context.scene.footwork.databases, "database")
+
+    def execute(self, context):
+        footwork = context.scene.footwork
+        footwork.database_index = files.remove_active(footwork.databases, footwork.database_index)
+        return {"FINISHED"}
+
+
+class FOOTWORK_OT_move_database(bpy.types.Operator):
+    """Move the selected database in the list: where height ranges overlap, the upper one is used"""
+
+    bl_idname = "footwork.move_database"
+    bl_label = "Move Database"
+    bl_options = {"REGISTER", "UNDO"}
+
+    step: IntProperty(name="Step", description="Rows to move down by", default=1)
+
+    @classmethod
+    def poll(cls, context):
+        return files.poll_active(cls, context.scene.footwork.databases, "database")
+
+    def execute(self, context):
+        footwork = context.scene.footwork
+        footwork.database_index = files.move_active(footwork.databases, footwork.database_index, self.step)
+        return {"FINISHED"}
+
+
+CLASSES = (
+    FOOTWORK_OT_build_database,
+    FOOTWORK_OT_add_database,
+    FOOTWORK_OT_remove_database,
+    FOOTWORK_OT_move_database,
+)

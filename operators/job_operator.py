@@ -1,0 +1,188 @@
+"""The base of every operator that takes its time: a core job, driven a slice per timer tick or straight through."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+
+from ..core.errors import InputError
+from ..core.jobs import Job, run
+
+SLICE_S = 0.025
+REDRAW_S = 0.1
+
+
+@dataclass(slots=True)
+class Running:
+    """What the panels show of the job in progress."""
+
+    title: str
+    fraction: float = 0.0
+    message: str = ""
+    cancelled: bool = False
+
+
+running: Running | None = None
+"""The job in progress, if any; there is never more than one."""
+
+
+class JobOperator:
+    """Mixin for operators over a core job.
+
+    `start` reads everything from Blender into plain data and returns the job; `finish` writes its result. Between them
+    the user may undo, or delete what the job works for: a subclass keeps names, and looks them up again in `finish`.
+    Nothing is written before `finish`, so ESC leaves the file as it was.
+    """
+
+    title = "Working"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if running is not None:
+            cls.poll_message_set(f"{running.title} is still running")
+            return False
+        reason = cls.refusal(context)
+        if reason:
+            cls.poll_message_set(reason)
+        return not reason
+
+    @classmethod
+    def refusal(cls, context: bpy.types.Context) -> str:
+        """Why the button is disabled, "" where it is not."""
+        return ""
+
+    def start(self, context: bpy.types.Context) -> Job[Any]:
+        """The job, made of plain data."""
+        raise NotImplementedError
+
+    def finish(self, context: bpy.types.Context, result: Any) -> None:
+        """Write the job's result to Blender and report it."""
+        raise NotImplementedError
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Run straight through, as scripts and background mode do."""
+        try:
+            result = run(self.start(context), _printer(self.title) if bpy.app.background else None)
+            self.finish(context, result)
+        except InputError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event | None) -> set[str]:
+        """Run in the background of the user interface."""
+        global running
+        # Blender never runs modal handlers without a window
+        if bpy.app.background or context.window is None:
+            return self.execute(context)
+        try:
+            self._job = self.start(context)
+        except InputError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        running = Running(self.title)
+        self._drawn = 0.0
+        self._timer = context.window_manager.event_timer_add(0.01, window=context.window)
+        context.window_manager.progress_begin(0, 100)
+        context.window_manager.modal_handler_add(self)
+        _show(context)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """One slice of the job."""
+        if running is None or running.cancelled or (event.type == "ESC" and event.value == "PRESS"):
+            self.cancel(context)
+            self.report({"INFO"}, f"{self.title}: cancelled, nothing was changed")
+            return {"CANCELLED"}
+        if event.type != "TIMER":
+            return {"PASS_THROUGH"}
+        try:
+            result = self._advance(context)
+            if result is None:
+                return {"RUNNING_MODAL"}
+            self._stop(context)
+            self.finish(context, result[0])
+        except InputError as error:
+            self._stop(context)
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        except BaseException:
+            self._stop(context)
+            raise
+        return {"FINISHED"}
+
+    def cancel(self, context: bpy.types.Context) -> None:
+        """Give the job up; Blender calls this too when another file is loaded."""
+        self._job.close()
+        self._stop(context)
+
+    def _advance(self, context: bpy.types.Context) -> tuple[Any] | None:
+        end = time.perf_counter() + SLICE_S
+        while time.perf_counter() < end:
+            try:
+                running.fraction, running.message = next(self._job)
+            except StopIteration as stop:
+                return (stop.value,)
+        if end - self._drawn > REDRAW_S:
+            self._drawn = end
+            _show(context)
+        return None
+
+    def _stop(self, context: bpy.types.Context) -> None:
+        global running
+        if running is None:
+            return
+        running = None
+        context.window_manager.event_timer_remove(self._timer)
+        context.window_manager.progress_end()
+        context.workspace.status_text_set(None)
+        _redraw(context)
+
+
+class FOOTWORK_OT_cancel_job(bpy.types.Operator):
+    """Stop the running job; nothing is changed"""
+
+    bl_idname = "footwork.cancel_job"
+    bl_label = "Cancel"
+    bl_options = {"INTERNAL"}
+
+    @classmethod
+    def poll(cls, context):
+        if running is None:
+            cls.poll_message_set("Nothing is running")
+        return running is not None
+
+    def execute(self, context):
+        running.cancelled = True
+        return {"FINISHED"}
+
+
+def _show(context: bpy.types.Context) -> None:
+    percent = round(100 * running.fraction)
+    context.window_manager.progress_update(percent)
+    context.workspace.status_text_set(f"{running.title}: {percent} %  {running.message}  (ESC cancels)")
+    _redraw(context)
+
+
+def _redraw(context: bpy.types.Context) -> None:
+    for window in context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                for region in area.regions:
+                    if region.type == "UI":
+                        region.tag_redraw()
+
+
+def _printer(title: str):
+    last = ["", -1]
+
+    def tell(fraction: float, message: str) -> None:
+        tenth = int(fraction * 10)
+        if [message, tenth] != last:
+            last[:] = [message, tenth]
+            print(f"Footwork: {title}: {fraction:4.0%} {message}", flush=True)
+
+    return tell

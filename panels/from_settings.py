@@ -1,0 +1,39 @@
+"""Blender properties made from the settings dataclasses of core, so that every control is described once."""
+
+from __future__ import annotations
+
+from dataclasses import Field, fields
+from typing import Any
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
+
+UNITS = {
+    "m": {"subtype": "DISTANCE"},
+    "s": {"subtype": "TIME_ABSOLUTE", "unit": "TIME_ABSOLUTE"},
+    "m/s": {"unit": "VELOCITY"},
+}
+"""How Blender shows our units; numbers of other units are shown plain."""
+
+
+def property_of(item: Field[Any]) -> Any:
+    """The Blender property of one settings field."""
+    meta, default = item.metadata, item.default
+    shared = {"name": meta["label"], "description": meta["help"], "default": default}
+    if isinstance(default, bool):
+        return BoolProperty(**shared)
+    if isinstance(default, str):
+        choices = [(key, key.replace("-", " ").title(), text) for key, text in meta["choices"].items()]
+        return EnumProperty(**shared, items=choices)
+    bounds = {
+        end: meta[name] for end, name in (("min", "low"), ("max", "high")) if meta[name] is not None
+    }
+    if isinstance(default, int):
+        return IntProperty(**shared, **bounds)
+    return FloatProperty(**shared, **bounds, **UNITS.get(meta["unit"], {}), step=1, precision=3)
+
+
+def property_group(name: str, settings: type) -> type[bpy.types.PropertyGroup]:
+    """A property group class with one property for each field of a settings dataclass."""
+    annotations = {item.name: property_of(item) for item in fields(settings)}
+    return type(name, (bpy.types.PropertyGroup,), {"__annotations__": annotations, "__doc__": settings.__doc__})
