@@ -24,7 +24,7 @@ FEATURE_GROUPS: dict[str, slice] = {
     "right_foot_velocity": slice(21, 24),
     "hips_velocity": slice(24, 27),
 }
-"""Columns of the 27-D feature vector. Trajectory columns are x, y at each horizon in turn; all in root space."""
+"""Columns of the 27-D feature vector, in root space; the trajectory is x, y at each horizon in turn."""
 TRAJECTORY = slice(0, 12)
 POSE = slice(12, 27)
 FEATURE_COUNT = 27
@@ -62,9 +62,9 @@ class PoseDatabase:
     root_yaw_velocities: Array
     """`(N,)` rad/s, likewise."""
     hips_velocities: Array
-    """`(N, 3)` m/s in root space, of `hips_positions`."""
+    """`(N, 3)` m/s in root space, of `hips_positions`, by central differences."""
     angular_velocities: Array
-    """`(N, J, 3)` rad/s, in the parent's axes, of `rotations`."""
+    """`(N, J, 3)` rad/s, in the parent's axes, of `rotations`, by central differences."""
     contacts: NDArray[np.bool_]
     """`(N, 2)` left, right toe on the ground."""
 
@@ -77,7 +77,7 @@ class FeatureDatabase:
     """Features z of the same N frames, normalised."""
 
     values: Array
-    """`(N, 27)` float32, (feature - mean) / deviation; the trajectory part of invalid frames is the clip end's."""
+    """`(N, 27)` float32, (feature - mean) / deviation; horizons past a clip's end read its end."""
     mean: Array
     """`(27,)`."""
     deviation: Array

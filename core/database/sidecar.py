@@ -1,0 +1,180 @@
+"""The motion database's side-car file: a `.npz` without pickles (described in docs/database-format.md)."""
+
+from __future__ import annotations
+
+import json
+import os
+import zipfile
+import zlib
+from pathlib import Path
+from typing import Any, BinaryIO, cast
+
+import numpy as np
+from numpy.lib.npyio import NpzFile
+
+from .. import VERSION
+from ..errors import InputError
+from ..files import write_atomically
+from ..mocap.skeleton import Skeleton
+from .motion_database import (
+    FEATURE_GROUPS,
+    HORIZONS_S,
+    Clip,
+    FeatureDatabase,
+    MotionDatabase,
+    PoseDatabase,
+)
+from .schema import FORMAT, LAYOUT, SCHEMA, Arrays, FaultError, check_arrays, kind_of
+
+_UNREADABLE = (
+    OSError,
+    ValueError,
+    EOFError,
+    KeyError,
+    RuntimeError,
+    MemoryError,
+    zipfile.BadZipFile,
+    zlib.error,
+)
+"""What zipfile and numpy raise over damaged bytes."""
+
+_POSES = (
+    "root_positions",
+    "root_yaws",
+    "hips_positions",
+    "rotations",
+    "root_velocities",
+    "root_yaw_velocities",
+    "hips_velocities",
+    "angular_velocities",
+)
+
+
+def save_database(path: str | os.PathLike[str], database: MotionDatabase) -> None:
+    """Write a database; the same database gives the same bytes.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    header = {"format": FORMAT, "schema": SCHEMA, "producer": f"footwork {VERSION}"}
+    arrays = {name: np.asarray(value) for name, value in header.items()} | _to_arrays(database)
+    write_atomically(path, lambda file: _write(file, arrays))
+
+
+def load_database(path: str | os.PathLike[str]) -> MotionDatabase:
+    """Read a database and check all that the rest of Footwork relies on.
+
+    Raises:
+        InputError: one line that names the file, its first fault and what to do.
+    """
+    try:
+        arrays = _read(path)
+        check_arrays(arrays)
+    except FaultError as fault:
+        raise InputError(f"{path}: {fault}; build the database again") from None
+    return _from_arrays(arrays)
+
+
+def _write(file: BinaryIO, arrays: Arrays) -> None:
+    """As `numpy.savez` does, but with the same bytes from every numpy and on every day."""
+    with zipfile.ZipFile(file, "w", zipfile.ZIP_STORED) as archive:
+        for name, array in arrays.items():
+            with archive.open(zipfile.ZipInfo(f"{name}.npy"), "w", force_zip64=True) as member:
+                np.lib.format.write_array(member, array, allow_pickle=False)
+
+
+def _to_arrays(database: MotionDatabase) -> Arrays:
+    """The arrays of `LAYOUT`, in its order and of its kinds."""
+    skeleton, clips, features = database.skeleton, database.clips, database.features
+    values: dict[str, Any] = {
+        "name": database.name,
+        "fps": database.fps,
+        "eye_height": database.eye_height,
+        "height_range": database.height_range,
+        "tags": database.tags,
+        "provenance": json.dumps(database.provenance),
+        "joint_names": skeleton.names,
+        "joint_roles": skeleton.roles,
+        "joint_parents": skeleton.parents,
+        "joint_offsets": skeleton.offsets,
+        "joint_tips": skeleton.tips,
+        "clip_names": [clip.name for clip in clips],
+        "clip_starts": [clip.start for clip in clips],
+        "clip_stops": [clip.stop for clip in clips],
+        "clip_files": [clip.file for clip in clips],
+        "clip_sha256": [clip.sha256 for clip in clips],
+        "clip_mirrored": [clip.mirrored for clip in clips],
+        **{name: getattr(database.poses, name) for name in _POSES},
+        "contacts": database.poses.contacts,
+        "features": features.values,
+        "feature_mean": features.mean,
+        "feature_deviation": features.deviation,
+        "feature_groups": list(FEATURE_GROUPS),
+        "feature_starts": [columns.start for columns in FEATURE_GROUPS.values()],
+        "feature_horizons": HORIZONS_S,
+        "trajectory_valid": features.trajectory_valid,
+    }
+    return {name: np.asarray(values[name], kind_of(name), "C") for name in LAYOUT}
+
+
+def _read(path: str | os.PathLike[str]) -> Arrays:
+    """The arrays of `LAYOUT` that are in the file, unchecked but for the header."""
+    try:
+        with Path(path).open("rb") as file:
+            if not zipfile.is_zipfile(file):
+                raise FaultError("is cut short, or no .npz file at all")
+            file.seek(0)
+            with cast(NpzFile, np.load(file, allow_pickle=False)) as archive:
+                _check_header(path, archive)
+                return {name: archive[name] for name in LAYOUT if name in archive.files}
+    except FileNotFoundError:
+        raise InputError(f"{path}: there is no such file; check its name") from None
+    except _UNREADABLE as error:
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise FaultError(f"cannot be read ({reason})") from error
+
+
+def _check_header(path: str | os.PathLike[str], archive: NpzFile) -> None:
+    """Whether this is a database, of a schema that is known here."""
+    if "format" not in archive.files or "schema" not in archive.files:
+        raise InputError(f"{path}: is a .npz file, but no motion database; choose another file")
+    if str(archive["format"]) != FORMAT:
+        raise InputError(f"{path}: is a {str(archive['format'])!r}, no motion database; choose another file")
+    schema = archive["schema"]
+    if schema.shape != () or schema.dtype.kind not in "iu" or schema < 1:
+        raise FaultError("its schema is no number")
+    if schema > SCHEMA:
+        raise InputError(
+            f"{path}: comes from a newer Footwork (schema {schema}, here {SCHEMA}); update Footwork"
+        )
+
+
+def _from_arrays(arrays: Arrays) -> MotionDatabase:
+    arrays = {name: array.astype(kind_of(name), copy=False) for name, array in arrays.items()}
+    columns = ("names", "starts", "stops", "files", "sha256", "mirrored")
+    rows = zip(*(arrays[f"clip_{column}"].tolist() for column in columns), strict=True)
+    low, high = arrays["height_range"].tolist()
+    poses = {name: arrays[name].astype(np.float64) for name in _POSES}
+    return MotionDatabase(
+        name=str(arrays["name"]),
+        skeleton=Skeleton(
+            names=tuple(arrays["joint_names"].tolist()),
+            parents=arrays["joint_parents"].astype(np.intp),
+            offsets=arrays["joint_offsets"],
+            roles=tuple(arrays["joint_roles"].tolist()),
+            tips=arrays["joint_tips"],
+        ),
+        fps=float(arrays["fps"]),
+        clips=tuple(Clip(*row) for row in rows),
+        poses=PoseDatabase(**poses, contacts=arrays["contacts"]),
+        features=FeatureDatabase(
+            arrays["features"],
+            arrays["feature_mean"],
+            arrays["feature_deviation"],
+            arrays["trajectory_valid"],
+        ),
+        eye_height=float(arrays["eye_height"]),
+        height_range=(low, high),
+        tags=tuple(arrays["tags"].tolist()),
+        provenance=json.loads(str(arrays["provenance"])),
+    )
