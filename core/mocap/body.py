@@ -1,0 +1,186 @@
+"""The joints of a take that matter, in metres and Z up, before the T-pose is known."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..maths import quat
+from .bvh import BvhFile, global_transforms, local_transforms
+from .skeleton import SIDES, SPINE
+
+Array = NDArray[np.floating[Any]]
+
+UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inches": 0.0254, "CMU units (5.64 cm)": 0.0254 / 0.45}
+"""Length units of BVH files in metres."""
+_BODY_LENGTH = 1.5
+"""Metres along thigh, shin and from the hips to the head of an average adult."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Body:
+    """A take's humanoid joints, hips first, in the file's own joint axes."""
+
+    names: tuple[str, ...]
+    roles: tuple[str, ...]
+    parents: NDArray[np.intp]
+    offsets: Array
+    """`(J, 3)` from the parent, in the parent's axes."""
+    tips: Array
+    """`(J, 3)` from a leaf joint to the end of its bone, in its own axes; zeros where unknown."""
+    hips: Array
+    """`(T, 3)` the hips in the world."""
+    rotations: Array
+    """`(T, J, 4)` global rotations."""
+    slide: Array
+    """`(J,)` how far a joint's own position channels move it from its offset, at most."""
+
+    def joint(self, role: str) -> int:
+        """Index of a role's joint."""
+        return self.roles.index(role)
+
+    def positions(self) -> Array:
+        """Joint positions `(T, J, 3)` in the world."""
+        return chain_positions(self.hips, self.rotations, self.offsets, self.parents)
+
+    def turned(self, rotation: Array, scale: float) -> Body:
+        """The same in other world axes and another unit."""
+        return replace(
+            self,
+            offsets=self.offsets * scale,
+            tips=self.tips * scale,
+            hips=quat.rotate(rotation, self.hips) * scale,
+            rotations=quat.multiply(rotation, self.rotations),
+            slide=self.slide * scale,
+        )
+
+    def frames(self, start: int) -> Body:
+        """The same from frame `start` on."""
+        return replace(self, hips=self.hips[start:], rotations=self.rotations[start:])
+
+
+def chain_positions(hips: Array, rotations: Array, offsets: Array, parents: NDArray[np.intp]) -> Array:
+    """Joint positions `(T, J, 3)` from the hips' `(T, 3)`, global rotations `(T, J, 4)` and offsets `(J, 3)`."""
+    out = np.empty((*rotations.shape[:-1], 3))
+    out[:, 0] = hips
+    for j, p in enumerate(parents.tolist()):
+        if p >= 0:
+            out[:, j] = out[:, p] + quat.rotate(rotations[:, p], offsets[j])
+    return out
+
+
+def reduce_to_body(bvh: BvhFile, roles: tuple[str, ...]) -> Body:
+    """The joints with roles and those between them; file units and axes.
+
+    The hips take over all that moves above them. Other joints keep their median offset.
+    """
+    parents = bvh.parents.tolist()
+    kept, above = _kept(parents, roles)
+    chosen = np.array(sorted(kept | above), dtype=np.intp)
+    place = {joint: k for k, joint in enumerate(chosen.tolist())}
+    local_parents = np.array([place.get(parents[joint], -1) for joint in chosen], dtype=np.intp)
+    local_p, local_r = local_transforms(bvh, chosen)
+    global_p, global_r = global_transforms(local_p, local_r, local_parents)
+    body = np.array([place[joint] for joint in sorted(kept)], dtype=np.intp)
+    inner = {joint: k for k, joint in enumerate(sorted(kept))}
+    offsets = np.median(local_p[:, body], axis=0)
+    slide = np.linalg.norm(local_p[:, body] - offsets, axis=-1).max(axis=0)
+    slide[0] = 0.0
+    joints = sorted(kept)
+    return Body(
+        names=tuple(bvh.names[joint] for joint in joints),
+        roles=tuple(roles[joint] for joint in joints),
+        parents=np.array([inner.get(parents[joint], -1) for joint in joints], dtype=np.intp),
+        offsets=offsets,
+        tips=np.array([_tip(bvh, joint, roles[joint]) for joint in joints]),
+        hips=global_p[:, body[0]],
+        rotations=global_r[:, body],
+        slide=slide,
+    )
+
+
+def with_toes(body: Body) -> tuple[Body, list[str]]:
+    """The body with toes made at the end of the feet where the file has none; which feet got one."""
+    made: list[str] = []
+    for side in SIDES:
+        foot = body.joint(f"foot.{side}")
+        if f"toe.{side}" in body.roles or not body.tips[foot].any():
+            continue
+        name = body.names[foot]
+        renamed = name.replace("Foot", "Toe").replace("foot", "toe").replace("Ankle", "Toe")
+        made.append(name)
+        tips = np.concatenate([body.tips, np.zeros((1, 3))])
+        tips[foot] = 0.0
+        body = replace(
+            body,
+            names=(*body.names, renamed if renamed not in body.names else f"{name} toe"),
+            roles=(*body.roles, f"toe.{side}"),
+            parents=np.append(body.parents, foot),
+            offsets=np.concatenate([body.offsets, body.tips[foot][None]]),
+            tips=tips,
+            rotations=np.concatenate([body.rotations, body.rotations[:, [foot]]], axis=1),
+            slide=np.append(body.slide, 0.0),
+        )
+    return body, made
+
+
+def find_unit(body: Body) -> tuple[str, float]:
+    """The unit that makes the body nearest in size to an adult's, and the body's length in metres with it.
+
+    The length runs along one thigh and shin and from the hips to the head.
+    """
+    length = 0.0
+    for side in SIDES:
+        length += 0.5 * _path(body, body.joint(f"foot.{side}"), body.joint(f"thigh.{side}"))
+    length += _path(body, body.joint("head"), 0)
+    name = min(UNITS, key=lambda unit: abs(np.log(max(length, 1e-9) * UNITS[unit] / _BODY_LENGTH)))
+    return name, length * UNITS[name]
+
+
+def find_up(body: Body) -> tuple[str, float]:
+    """Whether Y or Z points up in the file, and how clearly: the mean share of the feet-to-head line along it."""
+    positions = body.positions()
+    feet = 0.5 * (positions[:, body.joint("foot.L")] + positions[:, body.joint("foot.R")])
+    line = positions[:, body.joint("head")] - feet
+    share = np.mean(line / np.maximum(np.linalg.norm(line, axis=-1, keepdims=True), 1e-9), axis=0)
+    axis = "Y" if abs(share[1]) >= abs(share[2]) else "Z"
+    return axis, float(share["XYZ".index(axis)])
+
+
+def _path(body: Body, end: int, start: int) -> float:
+    length = 0.0
+    while end != start:
+        length += float(np.linalg.norm(body.offsets[end]))
+        end = int(body.parents[end])
+    return length
+
+
+def _kept(parents: list[int], roles: tuple[str, ...]) -> tuple[set[int], set[int]]:
+    """Joints with roles and those between them and the hips; and the joints above the hips."""
+    hips = roles.index("hips")
+    kept: set[int] = {hips}
+    for joint, role in enumerate(roles):
+        at = joint
+        while role and at not in kept:
+            kept.add(at)
+            at = parents[at]
+    above: set[int] = set()
+    at = parents[hips]
+    while at >= 0:
+        above.add(at)
+        at = parents[at]
+    return kept, above
+
+
+def _tip(bvh: BvhFile, joint: int, role: str) -> Array:
+    """The end of a leaf's bone: its end site, or for hands, feet and toes the mean of the joints hanging on it."""
+    part = role.partition(".")[0]
+    if part in ("hips", *SPINE, ""):
+        return np.zeros(3)
+    ends = bvh.end_sites[bvh.end_parents == joint]
+    if part in ("hand", "foot", "toe") and not ends.any():
+        ends = bvh.offsets[bvh.parents == joint]
+    return ends.mean(axis=0) if len(ends) else np.zeros(3)

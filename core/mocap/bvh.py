@@ -1,0 +1,270 @@
+"""BVH files as they stand: file units, file axes, every channel; reading, writing and forward kinematics.
+
+The format: Biovision's hierarchy and motion text file. A joint's position channels replace its offset, as in
+Blender's importer, MotionBuilder and the data sets in use; an axis without a channel keeps the offset's value.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import os
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from ..files import write_atomically
+from ..maths import quat
+from .bvh_header import Header, header_end, parse_header
+
+Array = NDArray[np.floating[Any]]
+
+CHANNELS = ("Xposition", "Yposition", "Zposition", "Xrotation", "Yrotation", "Zrotation")
+_SNIFF = 1 << 16
+_HEADER_LIMIT = 1 << 24
+"""A hierarchy larger than 16 MB is noise."""
+_NUMBER_LIMIT = 64
+"""No sane writer spends more bytes than this on one number and the space around it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BvhFile:
+    """What a BVH file says, unchanged."""
+
+    names: tuple[str, ...]
+    """Joint names `(J,)`, in file order: parents before children."""
+    parents: NDArray[np.intp]
+    """`(J,)`, -1 for the root."""
+    offsets: Array
+    """`(J, 3)`, file units and axes."""
+    channels: tuple[tuple[str, ...], ...]
+    """Each joint's channels in file order, each one of `CHANNELS`."""
+    end_sites: Array
+    """`(E, 3)` offsets of the end sites, ordered by the joint that they hang on."""
+    end_parents: NDArray[np.intp]
+    """`(E,)` the joint of each end site."""
+    frame_time: float
+    """Seconds between two frames, as written in the file."""
+    values: Array
+    """`(T, C)` channel values in file order: lengths in file units, angles in degrees."""
+    file: str
+    """File name as given; "" for one that was not read."""
+    sha256: str
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+
+def read_bvh(path: str | os.PathLike[str]) -> BvhFile:
+    """Read a BVH file.
+
+    Raises:
+        InputError: the file is missing, not BVH, or broken; names the line.
+    """
+    name = str(path)
+    try:
+        with Path(path).open("rb") as stream:
+            start = stream.read(_SNIFF)
+            _check_start(start, name)
+            while len(start) < (header_end(start) or _HEADER_LIMIT):
+                more = stream.read(len(start))
+                if not more:
+                    break
+                start += more
+            # parsed before the rest is read: a header that is noise, or a body far too long, ends here
+            header = parse_header(start, name)
+            size = os.fstat(stream.fileno()).st_size
+            if size - header.body > _NUMBER_LIMIT * (header.columns + 1) * (header.frames + 1000):
+                raise InputError(
+                    f"{name}: {size} bytes are too many for the {header.frames} frames its header speaks of; "
+                    "correct the number after Frames:"
+                )
+            data = start + stream.read()
+    except IsADirectoryError:
+        raise InputError(f"{name}: is a folder; give a BVH file") from None
+    except OSError as error:
+        raise InputError(f"{name}: {error.strerror or error}; give a BVH file that can be read") from error
+    return _build(data, header, name)
+
+
+def parse_bvh(data: bytes, file: str) -> BvhFile:
+    """A BVH file from its bytes; `file` is the name used in messages.
+
+    Raises:
+        InputError: not BVH, or broken; names the line.
+    """
+    _check_start(data[:_SNIFF], file)
+    return _build(data, parse_header(data, file), file)
+
+
+def write_bvh(path: str | os.PathLike[str], bvh: BvhFile) -> None:
+    """Write a BVH file that reads back equal to the last bit.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    text = format_bvh(bvh).encode()
+
+    def write(stream: BinaryIO) -> None:
+        stream.write(text)
+
+    write_atomically(path, write)
+
+
+def format_bvh(bvh: BvhFile) -> str:
+    """The text of a BVH file: every number by its shortest exact form."""
+    children: list[list[int]] = [[] for _ in bvh.names]
+    ends: list[list[int]] = [[] for _ in bvh.names]
+    for joint, parent in enumerate(bvh.parents.tolist()):
+        if parent >= 0:
+            children[parent].append(joint)
+    for end, parent in enumerate(bvh.end_parents.tolist()):
+        ends[parent].append(end)
+    lines = ["HIERARCHY"]
+    todo: list[tuple[int, int]] = [(0, 0)]
+    while todo:
+        joint, depth = todo.pop()
+        tab = "\t" * depth
+        if joint < 0:
+            lines.append(f"{tab}}}")
+            continue
+        lines += [f"{tab}{'JOINT' if depth else 'ROOT'} {bvh.names[joint]}", f"{tab}{{"]
+        lines.append(f"{tab}\tOFFSET {_numbers(bvh.offsets[joint])}")
+        lines.append(" ".join([f"{tab}\tCHANNELS {len(bvh.channels[joint])}", *bvh.channels[joint]]))
+        for end in ends[joint]:
+            offset = _numbers(bvh.end_sites[end])
+            lines += [f"{tab}\tEnd Site", f"{tab}\t{{", f"{tab}\t\tOFFSET {offset}", f"{tab}\t}}"]
+        todo.append((-1, depth))
+        todo += [(child, depth + 1) for child in reversed(children[joint])]
+    lines.extend(["MOTION", f"Frames: {len(bvh)}", f"Frame Time: {bvh.frame_time!r}"])
+    lines.extend(" ".join(map(repr, row)) for row in bvh.values.tolist())
+    return "\n".join(lines) + "\n"
+
+
+def local_transforms(bvh: BvhFile, joints: NDArray[np.intp] | None = None) -> tuple[Array, Array]:
+    """Local positions `(T, K, 3)` in file units and rotations `(T, K, 4)` of all or some joints."""
+    chosen = np.arange(len(bvh.names)) if joints is None else joints
+    positions = np.repeat(bvh.offsets[None, chosen], len(bvh), axis=0)
+    rotations = np.zeros((len(bvh), len(chosen), 4))
+    starts = np.cumsum([0, *(len(names) for names in bvh.channels)])
+    by_order: dict[str, list[tuple[int, list[int]]]] = {}
+    for k, joint in enumerate(chosen.tolist()):
+        turns: list[int] = []
+        order = ""
+        for column, channel in enumerate(bvh.channels[joint], start=int(starts[joint])):
+            if channel.endswith("rotation"):
+                turns.append(column)
+                order += channel[0]
+            else:
+                positions[:, k, "XYZ".index(channel[0])] = bvh.values[:, column]
+        by_order.setdefault(order, []).append((k, turns))
+    for order, members in by_order.items():
+        where = [k for k, _ in members]
+        angles = np.radians(bvh.values[:, [columns for _, columns in members]])
+        rotations[:, where] = _from_angles(angles, order)
+    return positions, rotations
+
+
+def global_transforms(positions: Array, rotations: Array, parents: NDArray[np.intp]) -> tuple[Array, Array]:
+    """Global positions `(T, K, 3)` and rotations `(T, K, 4)` of local ones; `parents` come before children."""
+    out_p, out_r = positions.copy(), rotations.copy()
+    for joint, parent in enumerate(parents.tolist()):
+        if parent >= 0:
+            out_p[:, joint] = out_p[:, parent] + quat.rotate(out_r[:, parent], positions[:, joint])
+            out_r[:, joint] = quat.multiply(out_r[:, parent], rotations[:, joint])
+    return out_p, out_r
+
+
+def _from_angles(angles: Array, order: str) -> Array:
+    """Quaternions `(T, K, 4)` of intrinsic angles `(T, K, n)` in radians about the `n` axes of `order`."""
+    if not order:
+        return np.broadcast_to(quat.IDENTITY, (*angles.shape[:2], 4))
+    q = quat.from_axis(order[0], angles[..., 0])
+    for i, axis in enumerate(order[1:], start=1):
+        q = quat.multiply(q, quat.from_axis(axis, angles[..., i]))
+    return q
+
+
+def _numbers(values: Array) -> str:
+    return " ".join(map(repr, values.tolist()))
+
+
+def _check_start(start: bytes, file: str) -> None:
+    text = start.removeprefix(b"\xef\xbb\xbf").lstrip()
+    if not text:
+        raise InputError(f"{file}: line 1: the file is empty; give a BVH file")
+    if text[:9].upper() != b"HIERARCHY":
+        raise InputError(f"{file}: line 1: is not BVH, which starts with the word HIERARCHY; give a BVH file")
+
+
+def _build(data: bytes, header: Header, file: str) -> BvhFile:
+    values = _parse_values(data, header, file)
+    order = np.argsort(np.array(header.end_parents, dtype=np.intp), kind="stable")
+    return BvhFile(
+        names=tuple(header.names),
+        parents=np.array(header.parents, dtype=np.intp),
+        offsets=np.array(header.offsets, dtype=np.float64).reshape(-1, 3),
+        channels=tuple(header.channels),
+        end_sites=np.array(header.end_sites, dtype=np.float64).reshape(-1, 3)[order],
+        end_parents=np.array(header.end_parents, dtype=np.intp)[order],
+        frame_time=header.frame_time,
+        values=values,
+        file=file,
+        sha256=hashlib.sha256(data).hexdigest(),
+    )
+
+
+def _parse_values(data: bytes, header: Header, file: str) -> Array:
+    """The body's numbers `(T, C)`; whatever is wrong is then looked for line by line."""
+    body = data[header.body :]
+    if b"\n" not in body and b"\r" in body:
+        body = body.replace(b"\r", b"\n")
+    if header.columns == 0:
+        return np.zeros((header.frames, 0))
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # an empty body warns, and is told below in our words
+            values = np.loadtxt(io.BytesIO(body), comments=None, ndmin=2, encoding="latin-1")
+    except ValueError:
+        values = np.zeros((0, 0))
+    if values.shape != (header.frames, header.columns) or not np.isfinite(values).all():
+        raise InputError(_first_fault(body, header, file))
+    return np.ascontiguousarray(values)
+
+
+def _first_fault(body: bytes, header: Header, file: str) -> str:
+    """One line about the first row that is not `header.columns` finite numbers, or about their count."""
+    rows = 0
+    number = header.body_line
+    for number, line in enumerate(body.splitlines(), start=header.body_line):
+        words = line.split()
+        if not words:
+            continue
+        where = f"{file}: line {number}: "
+        if rows == header.frames:
+            return f"{where}more rows than the {header.frames} that Frames: promises; correct that number"
+        bad = _first(words, lambda item: not _is_finite(item))
+        if bad is not None:
+            word = bad[:40].decode("ascii", "replace")
+            return f"{where}{word!r} is not a finite number; repair it or export anew"
+        if len(words) != header.columns:
+            return f"{where}{len(words)} numbers where {header.columns} channels need one each; export anew"
+        rows += 1
+    return f"{file}: line {number}: the file ends after {rows} of {header.frames} frames; export it anew"
+
+
+def _first(words: list[bytes], test: Callable[[bytes], bool]) -> bytes | None:
+    return next((word for word in words if test(word)), None)
+
+
+def _is_finite(word: bytes) -> bool:
+    try:
+        return bool(np.isfinite(float(word)))
+    except ValueError:
+        return False

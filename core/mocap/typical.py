@@ -1,0 +1,73 @@
+"""The pose that a take shows most, for skeletons whose zero pose tells nothing."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..maths import angles, kinematics, quat
+from .body import Body
+from .skeleton import SIDES
+
+Array = NDArray[np.floating[Any]]
+
+_FRAMES = 1000
+"""Frames looked at, spread over the take."""
+_UPRIGHT = np.cos(np.radians(35.0))
+_PLANTED = 0.25
+"""m/s: a foot slower than this stands."""
+
+
+def typical_pose(body: Body, fps: float) -> Array | None:
+    """Global rotations `(J, 4)` of the body's mean pose while upright, facing +Y; None for a single frame.
+
+    Each joint has its mean rotation against its parent (chordal mean, Markley et al. 2007), the hips their mean tilt.
+    Feet have their mean tilt while planted, pointing forward, and toes their mean against such feet.
+    """
+    count = len(body.hips)
+    if count < 2:
+        return None
+    positions = body.positions()
+    frames = np.unique(np.linspace(0, count - 1, min(count, _FRAMES)).astype(np.intp))
+    torso = positions[frames, body.joint("head")] - positions[frames, 0]
+    upright = torso[:, 2] > _UPRIGHT * np.linalg.norm(torso, axis=-1)
+    frames = frames[upright] if upright.any() else frames
+    right = positions[frames, body.joint("thigh.R")] - positions[frames, body.joint("thigh.L")]
+    yaw = np.arctan2(right[:, 1], right[:, 0])
+    out = np.empty((len(body.names), 4))
+    out[0] = _mean(quat.multiply(quat.from_yaw(-yaw), body.rotations[frames, 0]))
+    feet = {body.joint(f"foot.{side}"): side for side in SIDES}
+    toes = {body.roles.index(f"toe.{side}") for side in SIDES if f"toe.{side}" in body.roles}
+    planted: dict[int, NDArray[np.intp]] = {}
+    for j in range(1, len(out)):
+        p = int(body.parents[j])
+        chosen = planted.get(p, frames) if j in toes else frames
+        out[j] = quat.multiply(out[p], _mean(_local(body.rotations[chosen], p, j)))
+        if j in feet and f"toe.{feet[j]}" in body.roles:
+            toe = positions[:, body.joint(f"toe.{feet[j]}")]
+            planted[j] = _planted(toe, fps)
+            points = toe[planted[j]] - positions[planted[j], j]
+            out[j] = _mean(
+                quat.multiply(quat.from_yaw(-angles.yaw_of(points)), body.rotations[planted[j], j])
+            )
+    return out
+
+
+def _planted(toe: Array, fps: float) -> NDArray[np.intp]:
+    """Frames in which a toe `(T, 3)` stands: slow and low; the slowest tenth where none is."""
+    speed = np.linalg.norm(kinematics.velocity(toe, fps), axis=-1)
+    slow = speed < max(_PLANTED, float(np.quantile(speed, 0.1)))
+    low = toe[:, 2] < np.quantile(toe[slow, 2], 0.5) + 0.03
+    frames = np.flatnonzero(slow & low)
+    return frames[:: max(1, len(frames) // _FRAMES)]
+
+
+def _local(rotations: Array, parent: int, joint: int) -> Array:
+    return quat.multiply(quat.conjugate(rotations[:, parent]), rotations[:, joint])
+
+
+def _mean(rotations: Array) -> Array:
+    """The chordal mean `(4,)` of rotations `(T, 4)`: main axis of their outer products."""
+    return np.linalg.eigh(rotations.T @ rotations)[1][:, -1]
