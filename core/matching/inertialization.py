@@ -1,0 +1,219 @@
+"""From a playback to a motion: poses gathered, jumps at transitions blended out by inertialization (Bollo
+2017).
+
+At a transition the new clip plays at once; what pose and velocity would have jumped by becomes an offset that
+a critically damped spring takes away (paper, section 5.3). An offset still under way at the next transition
+is part of the pose that jumps there.
+
+A rotation's offset is a rotation vector x before the clip's own rotation, exp(x) q, in the parent's axes. Its
+angular velocity is J(x) dx/dt with the left Jacobian J of the rotation group, so that the velocity goes on
+exactly, not only for small offsets (Sola, Deray, Atchuthan, "A micro Lie theory", 2018).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..database.motion_database import MotionDatabase
+from ..maths import angles, quat
+from ..mocap.skeleton import Motion
+from ..settings import BakeSettings
+from .playback import Playback
+from .selection import check_databases
+
+Array = NDArray[np.floating[Any]]
+Frames = NDArray[np.intp]
+
+_BLOCK = 1024
+"""Frames blended at a time: their arrays stay in the processor's cache."""
+_TINY = 1e-8
+"""Squared angles below this act as this: the terms they divide are then below rounding."""
+
+
+def assemble(
+    playback: Playback, databases: Sequence[MotionDatabase], settings: BakeSettings
+) -> tuple[Motion, NDArray[np.bool_]]:
+    """The motion that a playback describes, on the first database's skeleton, and its contacts.
+
+    Args:
+        playback: what plays when.
+        databases: the same as it was made from.
+        settings: `halflife` of the inertialization.
+
+    Returns:
+        The motion in the world, and `(T, 2)` whether the clip's left and right toe is on the ground.
+
+    Raises:
+        InputError: the databases do not go together.
+    """
+    check_databases(databases)
+    skeleton, fps = databases[0].skeleton, databases[0].fps
+    hips, rotations = _poses(databases, playback.database, playback.frame)
+    rate = 2.0 * math.log(2.0) / settings.halflife
+    blend = _offsets(playback, databases, fps, rate)
+
+    for start in range(0, len(playback), _BLOCK):
+        rows = slice(start, start + _BLOCK)
+        frames = np.arange(len(playback))[rows]
+        segments = np.searchsorted(blend.starts, frames, side="right") - 1
+        ages = (frames - blend.starts[segments]) / fps
+        hips[rows] += blend.at(blend.hips, segments, ages, rate)
+        offsets = quat.from_rotation_vector(blend.at(blend.rotations, segments, ages, rate))
+        rotations[rows] = quat.multiply(offsets, rotations[rows])
+        rotations[rows, 0] = quat.multiply(quat.from_yaw(playback.root_yaws[rows]), rotations[rows, 0])
+    positions = hips
+    positions[:, :2] = playback.root_positions + angles.turn(hips[:, :2], playback.root_yaws)
+    contacts = np.empty((len(playback), 2), dtype=np.bool_)
+    for index, source in enumerate(databases):
+        mine = playback.database == index
+        contacts[mine] = source.poses.contacts[playback.frame[mine]]
+    return Motion(skeleton, fps, positions, quat.continuous(rotations)), contacts
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Blend:
+    """The offset and its velocity at the start of each of S segments; the first has none."""
+
+    starts: Frames
+    """`(S,)` frames."""
+    hips: tuple[Array, Array]
+    """`(S, 3)` metres in root space, and per second."""
+    rotations: tuple[Array, Array]
+    """`(S, J, 3)` rotation vectors, and per second."""
+
+    @staticmethod
+    def at(offset: tuple[Array, Array], segments: Frames, ages: Array, rate: float) -> Array:
+        """The offset at frames that are `ages` `(B,)` seconds into their `segments` `(B,)`."""
+        values, speeds = offset
+        ages = ages.reshape(-1, *(1,) * (values.ndim - 1))
+        return np.exp(-rate * ages) * (values[segments] + (speeds + rate * values)[segments] * ages)
+
+
+def _poses(databases: Sequence[MotionDatabase], database: Frames, frame: Frames) -> tuple[Array, Array]:
+    """Hips `(T, 3)` and local rotations `(T, J, 4)` in root space of the given frames of the given
+    databases."""
+    hips = np.empty((len(frame), 3))
+    rotations = np.empty((len(frame), len(databases[0].skeleton), 4))
+    for index, source in enumerate(databases):
+        mine = np.flatnonzero(database == index)
+        hips[mine] = source.poses.hips_positions[frame[mine]]
+        rotations[mine] = source.poses.rotations[frame[mine]]
+    return hips, rotations
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Rates:
+    """Velocities of K frames."""
+
+    root: Array
+    """`(K, 3)` m/s in root space."""
+    turn: Array
+    """`(K, 3)` rad/s of the root."""
+    hips: Array
+    """`(K, 3)` m/s in root space."""
+    joints: Array
+    """`(K, J, 3)` rad/s in the parent's axes."""
+
+
+def _rates(databases: Sequence[MotionDatabase], database: Frames, frame: Frames) -> _Rates:
+    count, joints = len(frame), len(databases[0].skeleton)
+    out = _Rates(
+        np.zeros((count, 3)), np.zeros((count, 3)), np.empty((count, 3)), np.empty((count, joints, 3))
+    )
+    for index, source in enumerate(databases):
+        mine = np.flatnonzero(database == index)
+        poses, rows = source.poses, frame[mine]
+        out.root[mine, :2] = poses.root_velocities[rows]
+        out.turn[mine, 2] = poses.root_yaw_velocities[rows]
+        out.hips[mine] = poses.hips_velocities[rows]
+        out.joints[mine] = poses.angular_velocities[rows]
+    return out
+
+
+def _offsets(playback: Playback, databases: Sequence[MotionDatabase], fps: float, rate: float) -> _Blend:
+    """Offsets at all transitions.
+
+    The root's path has a kink at a transition; its change of velocity is made up for by the hips' offset, so
+    that the body moves on smoothly in the world.
+    """
+    at = playback.transitions
+    database, frame = playback.database, playback.frame
+    old_hips, old_rotations = _poses(databases, database[at - 1], frame[at - 1] + 1)
+    new_hips, new_rotations = _poses(databases, database[at], frame[at])
+    old, new = (
+        _rates(databases, database[at - 1], frame[at - 1] + 1),
+        _rates(databases, database[at], frame[at]),
+    )
+    starts = np.concatenate([np.zeros(1, dtype=np.intp), at])
+
+    hips = np.zeros((len(starts), 3)), np.zeros((len(starts), 3))
+    jump, push, spin = old_hips - new_hips, old.root + old.hips - new.root - new.hips, old.turn - new.turn
+    for k, age in enumerate(np.diff(starts) / fps):
+        value, speed = _decay(hips[0][k], hips[1][k], age, rate)
+        hips[0][k + 1] = value + jump[k]
+        hips[1][k + 1] = speed + push[k] + np.cross(spin[k], old_hips[k] + value)
+
+    jumps = quat.multiply(old_rotations, quat.conjugate(new_rotations))
+    pushes = old.joints - quat.rotate(jumps, new.joints)
+    rotations = _rotation_offsets(np.diff(starts) / fps, jumps, pushes, spin, rate)
+    return _Blend(starts, hips, rotations)
+
+
+def _decay(value: Array, speed: Array, age: float, rate: float) -> tuple[Array, Array]:
+    """Offset and velocity of a critically damped spring after `age` seconds; `rate` is 2 ln 2 / half-life."""
+    push, shrink = speed + rate * value, math.exp(-rate * age)
+    return shrink * (value + push * age), shrink * (speed - rate * age * push)
+
+
+def _rotation_offsets(
+    ages: Array, jumps: Array, pushes: Array, spin: Array, rate: float
+) -> tuple[Array, Array]:
+    """Rotation vectors and their derivatives `(K + 1, J, 3)`: a recurrence over the K transitions.
+
+    Args:
+        ages: `(K,)` seconds from the transition before, the first from frame 0.
+        jumps: `(K, J, 4)` from the new rotation to the old one.
+        pushes: `(K, J, 3)` rad/s, old angular velocity less the new one turned by the jump.
+        spin: `(K, 3)` rad/s by which the root turned faster before.
+        rate: of the spring, 1/s.
+    """
+    count, joints = jumps.shape[:2]
+    values, speeds = np.zeros((count + 1, joints, 3)), np.zeros((count + 1, joints, 3))
+    for k, age in enumerate(ages.tolist()):
+        x, dx = _decay(values[k], speeds[k], age, rate)
+        square, cross = np.maximum(np.sum(x * x, axis=-1), _TINY)[:, None], _skew(x)
+        angle = np.sqrt(square)
+        # the offset's own angular velocity J(x) dx and, by the same products, the push turned by the offset
+        once = cross @ np.stack([dx, pushes[k]], axis=-1)
+        twice = cross @ once
+        ratio, half = np.sin(angle) / angle, (1.0 - np.cos(angle)) / square
+        velocity = dx + half * once[..., 0] + (1.0 - ratio) / square * twice[..., 0]
+        velocity += pushes[k] + ratio * once[..., 1] + half * twice[..., 1]
+        velocity[0] += spin[k]
+        values[k + 1] = x = quat.to_rotation_vector(quat.multiply(quat.from_rotation_vector(x), jumps[k]))
+        speeds[k + 1] = _unwind(x, velocity)
+    return values, speeds
+
+
+def _unwind(x: Array, velocity: Array) -> Array:
+    """The derivative `(J, 3)` of rotation vectors `x` that turns at an angular `velocity`: the inverse of
+    J(x)."""
+    square, cross = np.maximum(np.sum(x * x, axis=-1), _TINY)[:, None], _skew(x)
+    half = 0.5 * np.sqrt(square)
+    once = cross @ velocity[..., None]
+    twice = cross @ once
+    return velocity - 0.5 * once[..., 0] + (1.0 - half / np.tan(half)) / square * twice[..., 0]
+
+
+def _skew(x: Array) -> Array:
+    """Matrices `(J, 3, 3)` whose product with a vector is the cross product of `x` `(J, 3)` with it."""
+    out = np.zeros((len(x), 3, 3))
+    out[:, 2, 1], out[:, 0, 2], out[:, 1, 0] = x[:, 0], x[:, 1], x[:, 2]
+    out[:, 1, 2], out[:, 2, 0], out[:, 0, 1] = -x[:, 0], -x[:, 1], -x[:, 2]
+    return out

@@ -1,0 +1,190 @@
+"""Nearest feature vectors, exactly (paper, section 5.3): by matrix product or by a two-layer hierarchy of
+boxes.
+
+The cost of a frame is sum_j w_j (z_j - q_j)^2 over the normalised features, in double precision. Both ways
+first rule frames out in single precision with a bound on its rounding, then compare what is left exactly, so
+they return the same frame, the lowest of those that tie.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..database.motion_database import FEATURE_COUNT, FEATURE_GROUPS, POSE, FeatureDatabase
+from ..settings import BakeSettings
+
+Array = NDArray[np.floating[Any]]
+Rows = NDArray[np.intp]
+
+MANY_FRAMES = 60_000
+"""From this many frames on the hierarchy is the faster one; measured, see docs/matching.md."""
+
+_SMALL, _LARGE = 16, 64
+_FAN = _LARGE // _SMALL
+_PROBES = 4
+_ROUNDING = 40.0 * 2.0**-24
+"""Times (|z| + |q|)^2: more than single precision can be off in any of the sums below (28 terms and their
+inputs)."""
+
+
+def feature_weights(settings: BakeSettings) -> Array:
+    """The weight `(27,)` of each feature on its squared difference."""
+    weights = np.empty(FEATURE_COUNT)
+    for group, columns in FEATURE_GROUPS.items():
+        if group == "trajectory_positions":
+            weights[columns] = settings.weight_trajectory_positions
+        elif group == "trajectory_directions":
+            weights[columns] = settings.weight_trajectory_directions
+        elif group == "hips_velocity":
+            weights[columns] = settings.weight_hips
+        else:
+            weights[columns] = settings.weight_feet
+    return weights
+
+
+def trajectory_only(weights: Array) -> Array:
+    """`weights` `(27,)` without the pose: for the first pose, which follows on none."""
+    out = weights.copy()
+    out[POSE] = 0.0
+    return out
+
+
+class Search(Protocol):
+    """Finds frames of one feature database under fixed weights."""
+
+    def nearest(self, query: Array, limit: float = np.inf) -> tuple[int, float]:
+        """The frame of least cost and its cost; -1 where none costs less than `limit`.
+
+        Args:
+            query: `(27,)` normalised as the database is.
+            limit: cost that has to be beaten, strictly.
+        """
+        ...
+
+    def cost(self, query: Array, frame: int) -> float:
+        """The cost of any frame, one that is never found included."""
+        ...
+
+
+def make_search(features: FeatureDatabase, weights: Array) -> Search:
+    """The faster way for this many frames."""
+    many = int(np.count_nonzero(features.trajectory_valid)) >= MANY_FRAMES
+    return (BoxSearch if many else MatrixSearch)(features, weights)
+
+
+class _Exact:
+    """Costs in double precision, shared by both ways."""
+
+    def __init__(self, features: FeatureDatabase, weights: Array) -> None:
+        self._values = features.values
+        self._weights = weights
+        self._scale = np.sqrt(weights)
+        self._frames: Rows = np.flatnonzero(features.trajectory_valid)
+
+    def _scaled_rows(self) -> Array:
+        """The frames that may be found, `(M, 27)` in single precision, each dimension times the root of its
+        weight."""
+        rows = (self._values[self._frames] * self._scale).astype(np.float32)
+        self._radius = float(np.sqrt(np.max(np.einsum("ij,ij->i", rows, rows))))
+        return rows
+
+    def cost(self, query: Array, frame: int) -> float:
+        """The cost of any frame, one that is never found included."""
+        return float(self._costs(query, np.array([frame]))[0])
+
+    def _costs(self, query: Array, frames: Rows) -> Array:
+        return np.sum(self._weights * (self._values[frames] - query) ** 2, axis=-1)
+
+    def _best(self, query: Array, rows: Rows, limit: float) -> tuple[int, float]:
+        """The cheapest of the ascending valid `rows`; -1 where none is below `limit`."""
+        frames = self._frames[rows]
+        costs = self._costs(query, frames)
+        best = int(np.argmin(costs))
+        cost = float(costs[best])
+        return (int(frames[best]), cost) if cost < limit else (-1, cost)
+
+    def _slack(self, scaled: Array) -> float:
+        return _ROUNDING * (self._radius + float(np.sqrt(scaled @ scaled))) ** 2
+
+
+class MatrixSearch(_Exact):
+    """|z|^2 - 2 z.q of all frames by one matrix product."""
+
+    def __init__(self, features: FeatureDatabase, weights: Array) -> None:
+        super().__init__(features, weights)
+        rows = self._scaled_rows().astype(np.float64)
+        self._columns = np.empty((FEATURE_COUNT + 1, len(rows)), dtype=np.float32)
+        self._columns[:-1] = -2.0 * rows.T
+        self._columns[-1] = np.einsum("ij,ij->i", rows, rows)
+        self._query = np.ones(FEATURE_COUNT + 1, dtype=np.float32)
+        self._scores = np.empty(len(rows), dtype=np.float32)
+
+    def nearest(self, query: Array, limit: float = np.inf) -> tuple[int, float]:
+        """The frame of least cost and its cost; -1 where none costs less than `limit`."""
+        scaled = query * self._scale
+        self._query[:-1] = scaled
+        scores = np.dot(self._query, self._columns, out=self._scores)
+        near = scores[scores.argmin()] + np.float32(2.0 * self._slack(scaled))
+        return self._best(query, np.flatnonzero(scores <= near), limit)
+
+
+class BoxSearch(_Exact):
+    """Bounding boxes round 64 and round 16 frames that follow each other (Holden et al. 2020), in whole
+    arrays.
+
+    The distance to a box is never more than to a frame in it: boxes of 64 farther than the best frame found
+    so far drop out, of the rest the boxes of 16, and the frames of what remains are compared.
+    """
+
+    def __init__(self, features: FeatureDatabase, weights: Array) -> None:
+        super().__init__(features, weights)
+        rows = self._scaled_rows()
+        count = -(-len(rows) // _LARGE) * _LARGE
+        # the last row fills the last box: a tie with itself, which the lower index wins
+        self._order: Rows = np.minimum(np.arange(count), len(rows) - 1)
+        rows = rows[self._order]
+        self._blocks = rows.reshape(-1, _SMALL, FEATURE_COUNT)
+        self._low, self._high = self._blocks.min(axis=1), self._blocks.max(axis=1)
+        large = rows.reshape(-1, _LARGE, FEATURE_COUNT)
+        # one row a dimension: numpy's inner loops then run along the boxes
+        self._large_low = np.ascontiguousarray(large.min(axis=1).T)
+        self._large_high = np.ascontiguousarray(large.max(axis=1).T)
+
+    def nearest(self, query: Array, limit: float = np.inf) -> tuple[int, float]:
+        """The frame of least cost and its cost; -1 where none costs less than `limit`."""
+        scaled = query * self._scale
+        slack = self._slack(scaled)
+        point = scaled.astype(np.float32)
+        column = point[:, None]
+        gap = np.maximum(self._large_low - column, column - self._large_high)
+        np.maximum(gap, 0.0, out=gap)
+        bounds = np.einsum("ij,ij->j", gap, gap)
+
+        probes = (
+            np.argpartition(bounds, _PROBES)[:_PROBES] if len(bounds) > _PROBES else np.arange(len(bounds))
+        )
+        bound = min(limit, float(self._distances(self._children(probes), point).min())) + 2.0 * slack
+        blocks = self._children(np.flatnonzero(bounds <= bound))
+        gap = np.maximum(self._low[blocks] - point, point - self._high[blocks])
+        np.maximum(gap, 0.0, out=gap)
+        blocks = blocks[np.einsum("ij,ij->i", gap, gap) <= bound]
+        if len(blocks) == 0:
+            return -1, np.inf
+        distances = self._distances(blocks, point)
+        near = np.flatnonzero(distances.ravel() <= min(bound, float(distances.min()) + 2.0 * slack))
+        if len(near) == 0:
+            return -1, np.inf
+        rows = blocks[near // _SMALL] * _SMALL + near % _SMALL
+        return self._best(query, self._order[rows], limit)
+
+    def _children(self, large: Rows) -> Rows:
+        """The boxes of 16 within boxes of 64, ascending where those are."""
+        return (large[:, None] * _FAN + np.arange(_FAN)).ravel()
+
+    def _distances(self, blocks: Rows, point: Array) -> Array:
+        """Squared distances `(B, 16)` of the frames in boxes of 16."""
+        away = self._blocks[blocks] - point
+        return np.einsum("ijk,ijk->ij", away, away)
