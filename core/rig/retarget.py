@@ -69,13 +69,20 @@ def path(skeleton: Skeleton, first: int, last: int) -> list[int]:
     return joints[::-1]
 
 
+def pelvis(skeleton: Skeleton) -> list[int]:
+    """Joints that move as one with the hips: those, and that part of a spine from which thighs hang."""
+    thighs = [path(skeleton, 0, skeleton.joint(f"thigh.{side}"))[:-1] for side in SIDES]
+    trunk = path(skeleton, 0, skeleton.joint("head"))
+    return [joint for joint in trunk if any(joint in thigh for thigh in thighs)]
+
+
 def spine(skeleton: Skeleton) -> list[int]:
-    """Joints from the hips to the last of the back, the chest: `[0]` where the skeleton has no spine."""
-    chain = path(skeleton, 0, skeleton.joint("head"))[:-1]
+    """Joints from the last of the pelvis to the last of the back, the chest: one where there is no spine."""
+    chain = path(skeleton, pelvis(skeleton)[-1], skeleton.joint("head"))[:-1]
     for end in ("chest", "neck"):
         joint = skeleton.find(end)
         if joint in chain:
-            return chain[: chain.index(joint) + (end == "chest")]
+            return chain[: max(chain.index(joint) + (end == "chest"), 1)]
     return chain
 
 
@@ -93,10 +100,11 @@ def thighs_middle(skeleton: Skeleton) -> Array:
 
 def _chain_rotations(source: Skeleton, target: Skeleton, given: Array) -> dict[int, Array]:
     """World rotations `(T, 4)` of the target's joints from hips to head, by joint."""
+    hips = dict.fromkeys(pelvis(target), given[:, 0])
     spines = spine(source), spine(target)
     heads = source.joint("head"), target.joint("head")
     upper = [spines[0][-1], *neck(source), heads[0]], [spines[1][-1], *neck(target), heads[1]]
-    return _resample(source, target, upper, given) | _resample(source, target, spines, given)
+    return _resample(source, target, upper, given) | _resample(source, target, spines, given) | hips
 
 
 def _resample(

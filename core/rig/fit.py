@@ -1,0 +1,276 @@
+"""Between a Blender armature and the canonical skeleton: rest alignment there, bone channels back.
+
+With a joint's world rotation since T-pose D, the bone's world rotation in T-pose T and the object's
+rotation Q, the bone's pose in armature space is `Q^-1 D T`. T comes from the rest pose with its limbs
+turned into T-pose, so a rig at rest in A-pose takes the same D as one in T-pose.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from ..maths import kinematics, quat
+from ..mocap.edit import resample
+from ..mocap.skeleton import CENTRE_ROLES, REQUIRED_ROLES, ROLES, SIDES, Motion, Skeleton
+from ..mocap.tpose import tpose_rotations
+from .rig import BoneTracks, Rig
+
+Array = NDArray[np.floating[Any]]
+
+
+_FACING = quat.from_yaw(np.pi)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RigFit:
+    """A rig as a canonical skeleton in world metres, and the way back to its bones."""
+
+    rig: Rig
+    skeleton: Skeleton
+    bones: NDArray[np.intp]
+    """`(J,)` the rig's bone of each joint."""
+    tpose: Array
+    """`(J, 4)` world rotation of each bone in T-pose facing +Y."""
+    rest: Array
+    """`(J, 4)` rotation of each bone at rest, armature space."""
+    turn: Array
+    """`(4,)` the object's world rotation."""
+    scale: float
+    """World metres per armature unit."""
+
+    def to_armature(self, points: Array) -> Array:
+        """World points `(..., 3)` in metres as armature space."""
+        return quat.rotate(quat.conjugate(self.turn), points - self.rig.world[:3, 3]) / self.scale
+
+    def to_world(self, points: Array) -> Array:
+        """Armature-space points `(..., 3)` as world metres."""
+        return quat.rotate(self.turn, points * self.scale) + self.rig.world[:3, 3]
+
+
+def fit_rig(rig: Rig) -> RigFit:
+    """The canonical skeleton of a rig: its bones with roles and the bones between them.
+
+    Raises:
+        InputError: required roles are missing, given twice or not below the hips, a limb has no length, or
+            the object is mirrored or scaled unevenly.
+    """
+    turn, scale = _object_transform(rig)
+    bones = _joints(rig)
+    parents = np.array([bones.index(int(rig.parents[b])) if k else -1 for k, b in enumerate(bones)], np.intp)
+    roles = tuple(rig.roles[b] for b in bones)
+    rest = quat.from_matrix(np.asarray(rig.rest[bones, :3, :3], np.float64))
+    heads = np.asarray(rig.rest[bones, :3, 3], np.float64)
+    world_rest = quat.multiply(turn, rest)
+    world_heads = quat.rotate(turn, heads * scale)
+    tpose = tpose_rotations(parents, roles, world_rest, world_heads, None)
+    straighten = quat.multiply(tpose, quat.conjugate(world_rest))
+    offsets = np.zeros((len(bones), 3))
+    offsets[1:] = quat.rotate(straighten[parents[1:]], world_heads[1:] - world_heads[parents[1:]])
+    tips = _likely(roles, quat.rotate(straighten, quat.rotate(turn, _tips(rig, bones) * scale)))
+    names = tuple(rig.bones[b] for b in bones)
+    skeleton = Skeleton(names, parents, offsets, roles, tips)
+    offsets[0] = [0.0, 0.0, _hips_height(skeleton, float(rig.world[2, 3]), world_heads)]
+    _check_limbs(rig, skeleton)
+    return RigFit(rig, skeleton, np.array(bones, np.intp), tpose, rest, turn, scale)
+
+
+def rig_from_skeleton(skeleton: Skeleton, name: str) -> Rig:
+    """An armature in T-pose, standing at the origin and facing -Y as Blender's front view expects.
+
+    Bones run along their Y axis to the next joint; upright bones have Z forward, others Z up, so that left
+    and right are mirror images as Blender's flipped pasting needs.
+    """
+    heads = quat.rotate(_FACING, skeleton.tpose_positions())
+    ends = heads + quat.rotate(_FACING, _bone_vectors(skeleton))
+    y = (ends - heads) / np.linalg.norm(ends - heads, axis=-1, keepdims=True)
+    upright = np.abs(y[:, 2:]) > np.sqrt(0.5)
+    z = np.where(upright, np.array([0.0, -1.0, 0.0]), np.array([0.0, 0.0, 1.0]))
+    x = np.cross(y, z)
+    x /= np.linalg.norm(x, axis=-1, keepdims=True)
+    rest = np.tile(np.eye(4), (len(skeleton), 1, 1))
+    rest[:, :3, :3] = np.stack([x, y, np.cross(x, y)], axis=-1)
+    rest[:, :3, 3] = heads
+    return Rig(name, skeleton.names, skeleton.parents, rest, ends, np.eye(4), skeleton.roles)
+
+
+def to_bone_tracks(motion: Motion, fit: RigFit, fps: float) -> BoneTracks:
+    """Pose-bone channels of a motion on `fit.skeleton`, at `fps` frames per second.
+
+    Bones with a role are keyed, and bones in between that leave their rest. Bones above the hips count as
+    being at rest. Formula: q = (P_parent (R_parent^-1 R))^-1 P with rest R and pose P in armature space.
+    """
+    motion = resample(motion, fps)
+    skeleton = fit.skeleton
+    _, since_tpose = motion.forward()
+    pose = quat.multiply(quat.conjugate(fit.turn), quat.multiply(since_tpose, fit.tpose))
+    basis = np.empty_like(pose)
+    basis[:, 0] = quat.multiply(quat.conjugate(fit.rest[0]), pose[:, 0])
+    parents = skeleton.parents[1:]
+    hang = quat.multiply(quat.conjugate(fit.rest[parents]), fit.rest[1:])
+    basis[:, 1:] = quat.multiply(quat.conjugate(quat.multiply(pose[:, parents], hang)), pose[:, 1:])
+    moved = np.abs(basis[..., 1:]).max(axis=(0, 2)) > 1e-6
+    keyed = np.flatnonzero(moved | np.array([role != "" for role in skeleton.roles]))
+    heads = fit.rig.rest[fit.bones[0], :3, 3]
+    locations = quat.rotate(quat.conjugate(fit.rest[0]), fit.to_armature(motion.positions) - heads)
+    names = tuple(skeleton.names[j] for j in keyed)
+    return BoneTracks(names, motion.fps, locations, _shortest(quat.continuous(basis[:, keyed])))
+
+
+def bone_tracks_to_motion(tracks: BoneTracks, fit: RigFit) -> Motion:
+    """The motion on `fit.skeleton` that keyed channels show: the inverse of `to_bone_tracks`."""
+    skeleton = fit.skeleton
+    basis = np.zeros((len(tracks.locations), len(skeleton), 4))
+    basis[..., 0] = 1.0
+    basis[:, [skeleton.names.index(name) for name in tracks.bones]] = tracks.rotations
+    pose = np.empty_like(basis)
+    pose[:, 0] = quat.multiply(fit.rest[0], basis[:, 0])
+    for j in range(1, len(skeleton)):
+        p = skeleton.parents[j]
+        hang = quat.multiply(quat.conjugate(fit.rest[p]), fit.rest[j])
+        pose[:, j] = quat.multiply(quat.multiply(pose[:, p], hang), basis[:, j])
+    since_tpose = quat.multiply(quat.multiply(fit.turn, pose), quat.conjugate(fit.tpose))
+    heads = fit.rig.rest[fit.bones[0], :3, 3] + quat.rotate(fit.rest[0], tracks.locations)
+    rotations = kinematics.local_rotations(since_tpose, skeleton.parents)
+    return Motion(skeleton, tracks.fps, fit.to_world(heads), rotations)
+
+
+def _shortest(rotations: Array) -> Array:
+    """Continuous quaternions `(T, K, 4)` with the sign that lies nearer to rest at the first frame."""
+    return np.where(rotations[:1, :, :1] < 0.0, -rotations, rotations)
+
+
+def _object_transform(rig: Rig) -> tuple[Array, float]:
+    """Rotation `(4,)` and scale of the armature object."""
+    matrix = np.asarray(rig.world[:3, :3], np.float64)
+    lengths = np.linalg.norm(matrix, axis=0)
+    scale = float(lengths.mean())
+    if not np.isfinite(matrix).all() or scale < 1e-9:
+        raise InputError(f"{rig.name}: the object's scale is zero; give it a scale")
+    if np.linalg.det(matrix) < 0.0:
+        raise InputError(f"{rig.name}: the object is mirrored by a negative scale; apply its scale first")
+    turned = matrix / scale
+    if np.abs(turned.T @ turned - np.eye(3)).max() > 2e-3:
+        sizes = ", ".join(f"{length:.4g}" for length in lengths)
+        raise InputError(f"{rig.name}: the object is scaled unevenly ({sizes}); apply its scale first")
+    return quat.from_matrix(matrix / lengths), scale
+
+
+def _joints(rig: Rig) -> list[int]:
+    """Bones with roles and those between, hips first, parents before children."""
+    counts = Counter(role for role in rig.roles if role)
+    for role, count in counts.items():
+        if role not in ROLES:
+            raise InputError(f"{rig.name}: {role!r} is no joint role; correct the bone map")
+        if count > 1:
+            raise InputError(f"{rig.name}: {count} bones have the role {role}; keep one in the bone map")
+    missing = [role for role in REQUIRED_ROLES if role not in counts]
+    if missing:
+        raise InputError(f"{rig.name}: no bone for {', '.join(missing)}; complete the bone map")
+    hips = rig.roles.index("hips")
+    wanted = {hips}
+    for bone, role in enumerate(rig.roles):
+        chain: list[int] = []
+        walk = bone if role else hips
+        while walk not in wanted:
+            chain.append(walk)
+            walk = int(rig.parents[walk])
+            if walk < 0:
+                where = f"bone {rig.bones[bone]} ({role}) is not below the hips bone {rig.bones[hips]}"
+                raise InputError(f"{rig.name}: {where}; correct the bone map")
+        wanted.update(chain)
+    return sorted(wanted)
+
+
+def _tips(rig: Rig, bones: list[int]) -> Array:
+    """End of the bone `(J, 3)` from its head, armature space, of joints without children; else zeros."""
+    tips = np.zeros((len(bones), 3))
+    heads = rig.rest[:, :3, 3]
+    for j, bone in enumerate(bones):
+        children = np.flatnonzero(rig.parents == bone)
+        if not set(children.tolist()) & set(bones):
+            # one end bone, as Mixamo's, tells better than a tail that an importer made up
+            end = heads[children[0]] if len(children) == 1 else rig.tails[bone]
+            tips[j] = end - heads[bone]
+    return tips
+
+
+def _likely(roles: tuple[str, ...], tips: Array) -> Array:
+    """Tips without those that point where no such bone does: importers make the tails of last bones up."""
+    towards = {
+        "head": (0.0, 0.0, 1.0),
+        "hand.L": (-1.0, 0.0, 0.0),
+        "hand.R": (1.0, 0.0, 0.0),
+        **{f"{part}.{side}": (0.0, 1.0, 0.0) for part in ("foot", "toe") for side in SIDES},
+    }
+    wanted = np.array([towards.get(role, (0.0, 0.0, 0.0)) for role in roles])
+    straight = np.sum(tips * wanted, axis=-1) > 0.5 * np.linalg.norm(tips, axis=-1)
+    return np.where(straight[:, None], tips, 0.0)
+
+
+def _hips_height(skeleton: Skeleton, origin: float, world_heads: Array) -> float:
+    """Height of the hips over the floor in T-pose, metres.
+
+    Characters are made standing on their object's origin, or on the world's floor with the object elsewhere:
+    the first of the two near which the feet are at rest is the floor. Else it is set below the feet by the share
+    of a leg that a foot joint usually is above its sole.
+
+    Args:
+        skeleton: in T-pose, its hips at height 0.
+        origin: height of the object in the world, metres.
+        world_heads: `(J, 3)` joints at rest in the world's axes, seen from the object, metres.
+    """
+    leg = skeleton.leg_length()
+    part = "toe" if skeleton.find("toe.L") >= 0 and skeleton.find("toe.R") >= 0 else "foot"
+    feet = [skeleton.joint(f"{part}.{side}") for side in SIDES]
+    low, high, usual = (-0.01, 0.10, 0.03) if part == "toe" else (0.0, 0.25, 0.11)
+    height = float(world_heads[feet, 2].mean())
+    near = [h for h in (height, height + origin) if low * leg <= h <= high * leg]
+    return (near[0] if near else usual * leg) - float(skeleton.tpose_positions()[feet, 2].mean())
+
+
+def _check_limbs(rig: Rig, skeleton: Skeleton) -> None:
+    for side in SIDES:
+        for part in ("forearm", "hand", "shin", "foot"):
+            joint = skeleton.joint(f"{part}.{side}")
+            if np.linalg.norm(skeleton.offsets[joint]) < 1e-3:
+                where = f"the bone above {skeleton.names[joint]} ({part}.{side}) has no length"
+                raise InputError(f"{rig.name}: {where}; correct the bone map")
+
+
+def _bone_vectors(skeleton: Skeleton) -> Array:
+    """From each joint to the end of its bone `(J, 3)` in T-pose; never shorter than 1 cm."""
+    vectors = np.array(skeleton.tips, np.float64)
+    for j in range(len(skeleton)):
+        child = _next_joint(skeleton, j)
+        if child >= 0:
+            vectors[j] = skeleton.offsets[child]
+        if np.linalg.norm(vectors[j]) < 0.01:
+            vectors[j] = _guess(skeleton, j, vectors)
+    return vectors
+
+
+def _next_joint(skeleton: Skeleton, joint: int) -> int:
+    """The child that continues a bone: on the way to the head for the trunk, else the first; -1 without
+    one."""
+    children = [int(c) for c in np.flatnonzero(skeleton.parents == joint)]
+    central = [c for c in children if skeleton.roles[c] in CENTRE_ROLES]
+    named = [c for c in children if skeleton.roles[c]]
+    return next(iter(central or named or children), -1)
+
+
+def _guess(skeleton: Skeleton, joint: int, vectors: Array) -> Array:
+    """A short bone where nothing tells its end: the head up, a toe forward, others on from their parent."""
+    size = 0.1 * skeleton.leg_length()
+    role = skeleton.roles[joint].partition(".")[0]
+    if role == "head":
+        return np.array([0.0, 0.0, 2.5 * size])
+    if role in ("toe", "foot"):
+        return np.array([0.0, size, 0.0])
+    parent = vectors[skeleton.parents[joint]] if joint else np.array([0.0, 0.0, 1.0])
+    return parent / np.linalg.norm(parent) * size

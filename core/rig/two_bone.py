@@ -1,0 +1,92 @@
+"""Two bones reach a point: the law of cosines, for any number of limbs and frames at once."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..maths import quat
+
+Array = NDArray[np.floating[Any]]
+
+
+def reach(
+    joints: Array, rotations: Array, targets: Array, bend: Array, aim: Array
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Turn a limb's two bones so that its end comes to a target.
+
+    The limb is turned as a whole so that its line runs to the target and its `bend` direction lies towards
+    `aim`; then both bones turn in that plane to the angles of the law of cosines. A target out of reach
+    leaves the limb straight, or folded, in the target's direction.
+
+    Args:
+        joints: `(..., 3, 3)` root, mid and end of the limb, metres.
+        rotations: `(..., 2, 4)` world rotations of the root and the mid joint.
+        targets: `(..., 3)` where the end shall be, metres.
+        bend: `(..., 3)` where the mid joint lies, or would lie if the limb were not straight, seen from the
+            line between root and end: any vector not along that line (see `bend_direction`).
+        aim: `(..., 3)` where the mid joint shall lie, seen from the line between root and target.
+
+    Returns:
+        New world rotations `(..., 2, 4)`, and `(...)` whether the end reaches the target.
+    """
+    upper, lower = joints[..., 1, :] - joints[..., 0, :], joints[..., 2, :] - joints[..., 1, :]
+    a, b = _norm(upper), _norm(lower)
+    line, wanted = joints[..., 2, :] - joints[..., 0, :], targets - joints[..., 0, :]
+    distance = _norm(wanted)
+    span = np.clip(distance, np.abs(a - b), a + b)
+    reached = np.abs(span - distance)[..., 0] < 1e-6
+    frame = plane(wanted, aim)
+    whole = quat.multiply(quat.from_matrix(frame), quat.conjugate(quat.from_matrix(plane(line, bend))))
+    cosine = (a**2 + span**2 - b**2) / np.maximum(2.0 * a * span, 1e-12)
+    cosine = np.clip(cosine, -1.0, 1.0)
+    mid = a * (cosine * frame[..., 0] + np.sqrt(1.0 - cosine**2) * frame[..., 1])
+    end = span * frame[..., 0]
+    out = np.empty(rotations.shape)
+    for i, (old, new) in enumerate(((upper, mid), (lower, end - mid))):
+        turn = quat.multiply(quat.between(quat.rotate(whole, old), new), whole)
+        out[..., i, :] = quat.multiply(turn, rotations[..., i, :])
+    return out, reached
+
+
+def bend_direction(joints: Array, hint: Array, softness: float) -> Array:
+    """Where a limb's mid joint lies, seen from the line between root and end, `(..., 3)`.
+
+    The limb's own bend where it has one; a limb that is straight within about `softness` metres takes more
+    and more of the `hint`, so that noise around the straight limb does not turn its plane.
+
+    Args:
+        joints: `(..., 3, 3)` root, mid and end, metres.
+        hint: `(..., 3)` unit vectors, e.g. the way the knee cap looks.
+        softness: metres.
+    """
+    along = unit(joints[..., 2, :] - joints[..., 0, :])
+    return across(joints[..., 1, :] - joints[..., 0, :], along) + softness * across(hint, along)
+
+
+def plane(along: Array, side: Array) -> Array:
+    """Right-handed axes `(..., 3, 3)` in columns: `along`, the part of `side` across it, their cross
+    product."""
+    x = unit(along)
+    y = across(side, x)
+    # a side along the line tells no plane: any will do
+    least = np.eye(3)[np.argmin(np.abs(x), axis=-1)]
+    y = unit(np.where(_norm(y) > 1e-9, y, across(least, x)))
+    return np.stack([x, y, np.cross(x, y)], axis=-1)
+
+
+def unit(vectors: Array) -> Array:
+    """Vectors `(..., 3)` of length 1; X where there is none."""
+    length = _norm(vectors)
+    return np.where(length > 1e-12, vectors / np.maximum(length, 1e-12), np.array([1.0, 0.0, 0.0]))
+
+
+def across(vectors: Array, axis: Array) -> Array:
+    """The part of vectors `(..., 3)` perpendicular to unit vectors `axis`."""
+    return vectors - np.sum(vectors * axis, axis=-1, keepdims=True) * axis
+
+
+def _norm(vectors: Array) -> Array:
+    return np.linalg.norm(vectors, axis=-1, keepdims=True)
