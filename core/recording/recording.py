@@ -1,7 +1,7 @@
 """Three-tracker recordings: a headset and two hand controllers over time.
 
-Trackers are numbered 0 head, 1 left, 2 right. A device's axes are X right, Y forward (where it points), Z up; positions
-are metres in Blender's world, the floor at Z = 0.
+Trackers are numbered 0 head, 1 left, 2 right. A device's axes are X right, Y forward (where it points), Z up;
+positions are metres in Blender's world, the floor at Z = 0.
 """
 
 from __future__ import annotations
@@ -23,7 +23,8 @@ TRACKER_ROLES = ("head", "hand.L", "hand.R")
 class Mounts:
     """How the three trackers sit on head and hands.
 
-    With a joint's world rotation since T-pose D and position p: device position = p + D offset, device rotation = D turn.
+    With a joint's world rotation since T-pose D and position p: device position = p + D offset, device
+    rotation = D turn.
     """
 
     offsets: Array

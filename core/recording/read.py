@@ -1,0 +1,101 @@
+"""Recordings from files of any known format, recognised by content."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import InputError
+from . import aframe, bsor, csv_format, layouts
+from .eye_height import calibrate, put_down
+from .mounts import DEVICE_MOUNTS
+from .raw import Format, RawRecording
+from .recording import TRACKERS, Recording
+from .repair import Repaired, repair
+
+
+def formats() -> tuple[Format, ...]:
+    """Every format that can be read, those that are told apart most surely first."""
+    return (csv_format.FORMAT, bsor.FORMAT, aframe.FORMAT, *layouts.formats())
+
+
+def read_recording(path: str | os.PathLike[str], eye_height: float | None = None) -> Recording:
+    """A recording from a file, repaired and with its eye height known.
+
+    Args:
+        path: a file in one of `formats()`.
+        eye_height: height of the headset in metres when its wearer stands upright; by default what the file
+            states, or the recording's own standing height.
+
+    Raises:
+        InputError: a file that cannot be read, an unknown format, or a fault in it, with its place.
+    """
+    if eye_height is not None and not 0.3 <= eye_height <= 3.0:
+        raise InputError(f"eye height {eye_height:g} m is no person's; give metres, such as 1.65")
+    file = Path(path).name
+    try:
+        content = Path(path).read_bytes()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); check its name and rights") from error
+    if not content.strip():
+        raise InputError(f"{path}: the file is empty; record again")
+    known = formats()
+    form = next((form for form in known if form.recognise(content)), None)
+    if form is None:
+        names = ", ".join(form.name for form in known)
+        raise InputError(f"{path}: no known recording format; known are {names}")
+    raw = form.read(content, file)
+    return to_recording(raw, str(path), hashlib.sha256(content).hexdigest(), eye_height)
+
+
+def to_recording(raw: RawRecording, file: str, sha256: str, eye_height: float | None = None) -> Recording:
+    """A recording of samples from anywhere, repaired and with its eye height known.
+
+    Args:
+        raw: the samples.
+        file: what to call their source.
+        sha256: fingerprint of the source.
+        eye_height: as for `read_recording`.
+
+    Raises:
+        InputError: too few of the headset's samples are usable, or a pause is too long.
+    """
+    return _finish(raw, repair(raw, Path(file).name), eye_height, file, sha256)
+
+
+def _finish(raw: RawRecording, repaired: Repaired, given: float | None, file: str, sha256: str) -> Recording:
+    """Calibrate the eye height and say what was found."""
+    samples = repaired.samples
+    calibration = calibrate(samples, given, raw.eye_height, raw.on_floor)
+    doubts = [*repaired.doubts, *calibration.doubts]
+    start = put_down(samples)
+    if start is not None:
+        low = samples.positions[-1, 0, 2] + calibration.lift
+        doubts.append(f"headset lies still at {low:.2f} m from {start:.0f} s on: leave that out")
+    length, shares = samples.times[-1], samples.valid.mean(axis=0)
+    found = {
+        **raw.found,
+        "rate": f"{(len(samples.times) - 1) / length:.1f} frames per second",
+        "length": f"{length:.1f} s, {len(samples.times)} frames",
+        "eye height": f"{calibration.eye_height:.2f} m, {calibration.source}",
+        "mounts": "typical of real devices" if raw.mounts is DEVICE_MOUNTS else "stated in the file",
+        "tracked": ", ".join(f"{name} {share:.1%}" for name, share in zip(TRACKERS, shares, strict=True)),
+    }
+    if repaired.repairs:
+        found["repaired"] = "; ".join(repaired.repairs)
+    return Recording(
+        name=raw.name or Path(file).stem,
+        times=samples.times,
+        positions=samples.positions + np.array([0.0, 0.0, calibration.lift]),
+        rotations=samples.rotations,
+        valid=samples.valid,
+        mounts=raw.mounts,
+        eye_height=calibration.eye_height,
+        file=file,
+        sha256=sha256,
+        found=found,
+        doubts=tuple(doubts),
+    )

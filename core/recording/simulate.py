@@ -1,0 +1,52 @@
+"""Virtual trackers on full-body motion: recordings whose true body is known (paper, section 4)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..errors import InputError
+from ..maths import quat
+from ..mocap.skeleton import Motion
+from .mounts import SIMULATED_MOUNTS
+from .recording import TRACKER_ROLES, Mounts, Recording
+
+
+def simulate_recording(
+    motion: Motion, name: str, mounts: Mounts = SIMULATED_MOUNTS, eye_height: float | None = None
+) -> Recording:
+    """The recording that a headset and two controllers, fixed to a moving body, would give.
+
+    Args:
+        motion: at least two frames of a body in the world.
+        name: the recording's name.
+        mounts: how the devices sit on head and hands.
+        eye_height: calibrated height of the headset, metres; by default its height in T-pose.
+
+    Raises:
+        InputError: the motion has fewer than two frames.
+    """
+    if len(motion) < 2:
+        raise InputError(f"{name}: {len(motion)} frames are too few for a recording; give a longer take")
+    joints = [motion.skeleton.joint(role) for role in TRACKER_ROLES]
+    positions, rotations = motion.forward()
+    positions, rotations = positions[:, joints], rotations[:, joints]
+    if eye_height is None:
+        eye_height = float(motion.skeleton.tpose_positions()[joints[0], 2] + mounts.offsets[0, 2])
+    return Recording(
+        name=name,
+        times=np.arange(len(motion)) / motion.fps,
+        positions=positions + quat.rotate(rotations, mounts.offsets),
+        rotations=quat.continuous(quat.multiply(rotations, mounts.turns)),
+        valid=np.ones((len(motion), 3), dtype=np.bool_),
+        mounts=mounts,
+        eye_height=eye_height,
+        file="",
+        sha256="",
+        found={
+            "format": "simulated trackers",
+            "rate": f"{motion.fps:g} frames per second",
+            "length": f"{(len(motion) - 1) / motion.fps:.1f} s",
+            "eye height": f"{eye_height:.2f} m, headset in T-pose",
+        },
+        doubts=(),
+    )
