@@ -14,8 +14,8 @@ from ..core.errors import InputError
 from ..core.maths import quat
 from ..core.recording.mounts import DEVICE_MOUNTS
 from ..core.recording.raw import RawRecording, Track
+from ..core.recording.read import to_recording
 from ..core.recording.recording import TRACKERS, Mounts, Recording
-from ..core.recording.repair import repair
 from ..core.recording.resample import resample
 from .action import key_transform, scene_fps
 from .lookup import metres_per_unit
@@ -95,10 +95,10 @@ def recording_from_objects(
         found={"format": "scene objects", "objects": ", ".join(obj.name for obj in present)},
         name=head.name,
         mounts=_mounts(trackers),
-        eye_height=eye_height or head.get(EYE_HEIGHT),
+        eye_height=head.get(EYE_HEIGHT),
     )
     digest = hashlib.sha256(positions.tobytes() + rotations.tobytes()).hexdigest()
-    return repair(raw, file=f"objects of scene {scene.name}", sha256=digest, eye_height=eye_height)
+    return to_recording(raw, f"objects of scene {scene.name}", digest, eye_height)
 
 
 def show_recording(recording: Recording, scene: bpy.types.Scene, frame_start: float = 1.0) -> list[bpy.types.Object]:

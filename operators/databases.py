@@ -99,7 +99,21 @@ def _show(footwork, path: Path, database) -> None:
 
 
 def _lines(described: dict) -> list[tuple[str, str]]:
-    return [(key.replace("_", " "), str(value)) for key, value in described.items()]
+    """The few facts of a database that the panel shows."""
+    coverage, mirrored = described["coverage"], sum(clip["mirrored"] for clip in described["clips"])
+    shares = [f"{name} {share:.0%}" for name, share in coverage["direction_shares"].items()]
+    speed, turning = coverage["speed_m_s"], coverage["turn_deg_s"]
+    low, high = described["suggested_height_range"]
+    skate = described["feet"]["foot_skate_cm_s"]
+    return [
+        ("clips", f"{len(described['clips'])}" + (f", {mirrored} of them mirrored" if mirrored else "")),
+        ("standing", f"{coverage['standing_share']:.0%} of the time"),
+        ("walking", ", ".join(shares)),
+        ("speed", f"median {speed['median']:.1f}, up to {speed['max']:.1f} m/s"),
+        ("turning", f"{turning['p5']:.0f} to {turning['p95']:.0f} °/s"),
+        ("headset height", f"{low:.2f} to {high:.2f} of standing"),
+        ("foot skate", "no contacts" if skate is None else f"{skate:.1f} cm/s"),
+    ]
 
 
 class FOOTWORK_OT_add_database(bpy.types.Operator, ImportHelper):

@@ -13,18 +13,18 @@ ROOT = Path(__file__).parents[1]
 
 
 def packager() -> Path:
-    """Blender's command-line packager inside the bpy module."""
-    found = sorted(Path(bpy.__file__).parent.glob("*/scripts/addons_core/bl_pkg/cli/blender_ext.py"))
-    if not found:
+    """Blender's command-line packager, which comes with the bpy module."""
+    path = Path(bpy.utils.system_resource("SCRIPTS")) / "addons_core" / "bl_pkg" / "cli" / "blender_ext.py"
+    if not path.is_file():
         sys.exit("this bpy has no extension packager")
-    return found[0]
+    return path
 
 
-def build() -> Path:
-    """The zip in `dist/`, built and validated."""
+def build(folder: Path = ROOT / "dist") -> Path:
+    """The zip in `folder`, built and validated."""
     manifest = tomllib.loads((ROOT / "blender_manifest.toml").read_text(encoding="utf-8"))
-    target = ROOT / "dist" / f"{manifest['id']}-{manifest['version']}.zip"
-    target.parent.mkdir(exist_ok=True)
+    target = folder / f"{manifest['id']}-{manifest['version']}.zip"
+    folder.mkdir(exist_ok=True)
     target.unlink(missing_ok=True)
     command = [sys.executable, str(packager())]
     subprocess.run(

@@ -1,0 +1,169 @@
+"""The bake: recording, databases, predictor and rig become an action."""
+
+import json
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import bpy
+
+from ..bridge import armature
+from ..bridge.action import check_writable, scene_fps, write_action
+from ..bridge.lookup import find_object, find_scene, metres_per_unit
+from ..bridge.objects import recording_from_objects
+from ..bridge.settings import read_settings
+from ..core import pipeline
+from ..core.database.sidecar import load_database
+from ..core.errors import InputError
+from ..core.jobs import part
+from ..core.recording.read import read_recording
+from ..core.recording.recording import Recording
+from ..core.rig.rig import Rig
+from ..core.settings import BakeSettings
+from ..nn import predictor
+from . import files, figures
+from .job_operator import JobOperator
+from .recording import calibrated
+
+REPORT = "Footwork Report"
+"""Text data-block that holds the last bake's report as JSON."""
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """Everything that a bake reads, as plain data."""
+
+    recording: Recording | str
+    """Sampled scene objects, or a file still to be read."""
+    eye_height: float | None
+    databases: tuple[tuple[str, tuple[float, float]], ...]
+    """Path and height range of each."""
+    predictor: str
+    """"SHIPPED", "HEADSET" or a path."""
+    rig: Rig | None
+    settings: BakeSettings
+    fps: float
+
+
+class FOOTWORK_OT_bake(JobOperator, bpy.types.Operator):
+    """Bake the recording to a new action of the rig; what the rig was animated with before is kept"""
+
+    bl_idname = "footwork.bake"
+    bl_label = "Bake"
+    bl_options = {"REGISTER", "UNDO"}
+    title = "Baking"
+
+    @classmethod
+    def refusal(cls, context):
+        footwork = context.scene.footwork
+        if footwork.recording_source == "FILE" and not footwork.recording_path:
+            return "Choose a recording first"
+        if footwork.recording_source == "OBJECTS" and footwork.head is None:
+            return "Pick the object that moves with the headset first"
+        if not any(database.use for database in footwork.databases):
+            return "Build or add a motion database first"
+        if footwork.predictor == "FILE" and not footwork.predictor_path:
+            return "Choose a predictor file, or use the built-in one"
+        return ""
+
+    def start(self, context):
+        scene = context.scene
+        footwork, rig = scene.footwork, scene.footwork.rig
+        if rig is not None:
+            check_writable(rig)
+            if rig.name not in scene.objects:
+                raise InputError(f"{rig.name}: it is not in this scene; pick another rig")
+            for doubt in armature.rig_doubts(rig):
+                self.report({"WARNING"}, f"{rig.name}: {doubt}")
+        self._scene, self._rig = scene.name, None if rig is None else rig.name
+        self._name = footwork.action_name
+        return _bake(read_source(scene))
+
+    def finish(self, context, result):
+        scene = find_scene(self._scene)
+        footwork, unit = scene.footwork, metres_per_unit(scene)
+        if self._rig is None:
+            collection = context.collection if context.scene == scene else scene.collection
+            rig = armature.create_armature(result.rig, result.rig.name, collection, unit)
+            footwork.rig = rig
+        else:
+            rig = find_object(self._rig)
+        name = self._name or Path(result.report["inputs"][0]["name"]).stem or "Footwork"
+        action = write_action(
+            rig,
+            result.tracks,
+            name,
+            fps=scene_fps(scene),
+            frame_start=footwork.frame_start,
+            marker_times=[float(time) for time in result.transition_times] if footwork.markers else [],
+            keep_previous=footwork.keep_previous,
+        )
+        frames = len(result.tracks.rotations)
+        if footwork.fit_range:
+            scene.frame_start = footwork.frame_start
+            scene.frame_end = footwork.frame_start + max(frames - 1, 1)
+        scene.frame_set(scene.frame_current)
+        figures.show(footwork, result.report, f"{action.name} on {rig.name}")
+        text = bpy.data.texts.get(REPORT) or bpy.data.texts.new(REPORT)
+        text.from_string(json.dumps(result.report, indent=2))
+        for warning in result.warnings:
+            self.report({"WARNING"}, warning)
+        self.report({"INFO"}, f"{action.name}: {frames} frames on {rig.name}. {figures.in_short(result.report)}")
+
+
+def read_source(scene: bpy.types.Scene) -> Source:
+    """All inputs of a bake; objects of the scene are sampled here."""
+    footwork = scene.footwork
+    if footwork.recording_source == "OBJECTS":
+        recording: Recording | str = recording_from_objects(
+            scene,
+            (footwork.head, footwork.left, footwork.right),
+            axes=footwork.tracker_axes,
+            eye_height=calibrated(footwork),
+        )
+    else:
+        recording = bpy.path.abspath(footwork.recording_path)
+    rig = None if footwork.rig is None else armature.armature_to_rig(footwork.rig, metres_per_unit(scene))
+    path = bpy.path.abspath(footwork.predictor_path)
+    return Source(
+        recording=recording,
+        eye_height=calibrated(footwork),
+        databases=tuple(
+            (bpy.path.abspath(row.path), (files.typed(row.height_low), files.typed(row.height_high)))
+            for row in footwork.databases
+            if row.use
+        ),
+        predictor=path if footwork.predictor == "FILE" else footwork.predictor,
+        rig=rig,
+        settings=read_settings(footwork.bake, BakeSettings),
+        fps=scene_fps(scene),
+    )
+
+
+def _bake(source: Source):
+    yield 0.0, "Reading the recording"
+    recording = source.recording
+    if isinstance(recording, str):
+        recording = read_recording(recording, source.eye_height)
+    databases = []
+    for path, height_range in source.databases:
+        yield 0.02, f"Reading {Path(path).name}"
+        databases.append(replace(load_database(path), height_range=height_range))
+    job = pipeline.bake(
+        recording,
+        databases,
+        _predict(source.predictor),
+        source.rig,
+        source.settings,
+        output_fps=source.fps,
+    )
+    return (yield from part(job, 0.05, 1.0))
+
+
+def _predict(chosen: str):
+    if chosen == "HEADSET":
+        return predictor.hmd_forward
+    made = predictor.shipped_predictor() if chosen == "SHIPPED" else predictor.load_predictor(chosen)
+    return lambda recording: predictor.predict_yaw(made, recording)
+
+
+CLASSES = (FOOTWORK_OT_bake,)

@@ -1,0 +1,62 @@
+"""A bake's report in the few figures that tell whether it is good."""
+
+import bpy
+
+FIGURES = (
+    ("root_error_cm", "Body to user", "cm", 10.0, "Distance of the avatar's root from the user's body"),
+    ("yaw_error_deg", "Body direction", "°", 12.0, "Angle between the avatar's and the predicted body direction"),
+    ("foot_skate_cm_s", "Foot skate", "cm/s", 3.0, "Sliding of toes that should stand still"),
+    ("head_position_error_cm", "Head", "cm", 1.0, "Distance of the head from where the headset wants it"),
+    ("hand_position_error_cm", "Hands", "cm", 1.0, "Distance of the hands from where the controllers want them"),
+    ("penetration_cm", "Below the floor", "cm", 0.5, "Depth of toes below the floor"),
+)
+"""Key in the report, label, unit, the mean up to which it counts as good, meaning."""
+
+
+def show(footwork: bpy.types.PropertyGroup, report: dict, title: str) -> None:
+    """Fill the Quality panel."""
+    metrics = report["metrics"]
+    footwork.figures.clear()
+    footwork.figures_of = title
+    for key, label, unit, limit, text in FIGURES:
+        figure = metrics.get(key)
+        if figure is None:
+            continue
+        row = footwork.figures.add()
+        row.name, row.text = label, text
+        row.value = f"{figure['mean']:.1f} {unit}"
+        row.detail = f"95 % within {figure['p95']:.1f}, at most {figure['max']:.1f} {unit}"
+        row.good = "GOOD" if figure["mean"] <= limit else "POOR"
+    for label, value, text in _scalars(report):
+        row = footwork.figures.add()
+        row.name, row.value, row.text = label, value, text
+    footwork.warnings = "\n".join(report["warnings"])
+
+
+def in_short(report: dict) -> str:
+    """One line of figures for the status bar."""
+    metrics, parts = report["metrics"], []
+    for key, label, unit, _, _ in FIGURES[:3]:
+        if key in metrics:
+            parts.append(f"{label.lower()} {metrics[key]['mean']:.1f} {unit}")
+    return ", ".join(parts)
+
+
+def _scalars(report: dict):
+    metrics = report["metrics"]
+    if "transitions_per_s" in metrics:
+        yield "Transitions", f"{metrics['transitions_per_s']:.1f} per s", "Changes of place in the databases"
+    if "poses_used" in metrics:
+        yield "Poses used", f"{metrics['poses_used']}", "Different poses of the databases that were played"
+    if "clamped_fraction" in metrics:
+        text = "Share of frames that were held at the position accuracy"
+        yield "Held at accuracy", f"{metrics['clamped_fraction']:.0%}", text
+    if "unreachable_fraction" in metrics:
+        text = "Share of frames in which a hand could not reach its controller"
+        yield "Out of reach", f"{metrics['unreachable_fraction']:.0%}", text
+    timing = report.get("timing_s", {})
+    if timing:
+        spent = sum(value for key, value in timing.items() if key != "recorded")
+        recorded = timing.get("recorded", 0.0)
+        speed = f" ({recorded / spent:.0f}x real time)" if spent > 0 and recorded else ""
+        yield "Time taken", f"{spent:.1f} s{speed}", "Without reading files and writing keys"

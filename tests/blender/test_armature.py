@@ -1,0 +1,107 @@
+"""Armatures read and made."""
+
+from __future__ import annotations
+
+import bpy
+import helpers
+import numpy as np
+import pytest
+from footwork.bridge import armature
+from footwork.core.errors import InputError
+from footwork.core.rig.rig import Rig
+from footwork.core.rig.fit import rig_from_skeleton
+
+
+def test_an_armature_made_from_a_rig_reads_back_the_same(empty) -> None:
+    rig = rig_from_skeleton(helpers.skeleton(), "Person")
+    obj = armature.create_armature(rig, "Person", empty.collection)
+    back = armature.armature_to_rig(obj)
+    order = [back.bones.index(bone) for bone in rig.bones]
+    assert np.abs(back.rest[order] - rig.rest).max() < 1e-5
+    assert np.abs(back.tails[order] - rig.tails).max() < 1e-5
+    assert [back.roles[i] for i in order] == list(rig.roles)
+    assert all(back.parents[i] < i for i in range(len(back.bones)))
+    parents = {bone: back.bones[back.parents[i]] if back.parents[i] >= 0 else "" for i, bone in enumerate(back.bones)}
+    assert parents["LeftWrist"] == "LeftElbow" and parents["Hips"] == ""
+
+
+def test_random_rest_rotations_survive(empty) -> None:
+    random = np.random.default_rng(3)
+    from footwork.core.maths import quat
+
+    rest = np.tile(np.eye(4), (6, 1, 1))
+    rest[:, :3, :3] = quat.to_matrix(quat.normalize(random.normal(size=(6, 4))))
+    rest[:, :3, 3] = random.normal(size=(6, 3))
+    tails = rest[:, :3, 3] + 0.3 * rest[:, :3, 1]
+    parents = np.array([-1, 0, 1, 0, 3, -1], np.intp)
+    rig = Rig("R", tuple("abcdef"), parents, rest, tails, np.eye(4), ("",) * 6)
+    obj = armature.create_armature(rig, "R", empty.collection)
+    made = np.array([obj.data.bones[name].matrix_local for name in rig.bones])
+    assert np.abs(made - rest).max() < 1e-5
+
+
+def test_making_an_armature_leaves_mode_and_active_object(empty) -> None:
+    rig = rig_from_skeleton(helpers.skeleton(), "Person")
+    first = armature.create_armature(rig, "First", empty.collection)
+    bpy.context.view_layer.objects.active = first
+    bpy.ops.object.mode_set(mode="POSE")
+    armature.create_armature(rig, "Second", empty.collection)
+    assert bpy.context.view_layer.objects.active == first and first.mode == "POSE"
+
+
+def test_roles_set_by_hand_overrule_the_names_and_are_saved(empty, tmp_path) -> None:
+    rig = rig_from_skeleton(helpers.skeleton(), "Person")
+    obj = armature.create_armature(rig, "Person", empty.collection)
+    assert obj.footwork.hand_L == "LeftWrist"
+    obj.footwork.toe_L = ""
+    obj.footwork.spine1 = "Chest"
+    assert armature.role_overrides(obj) == {"toe.L": ""}
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "rig.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "rig.blend"))
+    obj = bpy.data.objects["Person"]
+    assert "toe.L" not in armature.armature_to_rig(obj).roles
+    bpy.context.scene.footwork.rig = obj
+    assert bpy.ops.footwork.reset_roles() == {"FINISHED"}
+    assert "toe.L" in armature.armature_to_rig(obj).roles and armature.ROLE_MAP not in obj
+
+
+def test_unknown_names_can_be_mapped_by_hand(empty) -> None:
+    rig = rig_from_skeleton(helpers.skeleton(), "Person")
+    obj = armature.create_armature(rig, "Person", empty.collection)
+    new_names = {bone: f"x{number}" for number, bone in enumerate(rig.bones)}
+    for bone in obj.data.bones:
+        bone.name = new_names[bone.name]
+    with pytest.raises(InputError, match="no bone for hips"):
+        armature.armature_to_rig(obj)
+    armature.set_roles(obj, {role: new_names[bone] for role, bone in zip(rig.roles, rig.bones, strict=True) if role})
+    back = armature.armature_to_rig(obj)
+    assert dict(zip(back.bones, back.roles, strict=True)) == {
+        new_names[bone]: role for bone, role in zip(rig.bones, rig.roles, strict=True)
+    }
+    armature.set_role(obj, "hand.L", "x0")
+    with pytest.raises(InputError, match="two roles"):
+        armature.armature_to_rig(obj)
+    armature.set_role(obj, "hand.L", "gone")
+    with pytest.raises(InputError, match="gone"):
+        armature.armature_to_rig(obj)
+
+
+def test_other_objects_are_refused(empty) -> None:
+    with pytest.raises(InputError, match="not an armature"):
+        armature.armature_to_rig(bpy.data.objects.new("Nothing", None))
+
+
+def test_constraints_on_mapped_bones_are_told(empty) -> None:
+    obj = armature.create_armature(
+        rig_from_skeleton(helpers.skeleton(), "Person"), "Person", empty.collection
+    )
+    assert not armature.rig_doubts(obj)
+    obj.pose.bones["LeftWrist"].constraints.new("COPY_ROTATION")
+    assert "LeftWrist" in armature.rig_doubts(obj)[0]
+
+
+def test_scene_units_count(empty) -> None:
+    rig = rig_from_skeleton(helpers.skeleton(), "Person")
+    obj = armature.create_armature(rig, "Person", empty.collection, metres_per_unit=0.01)
+    assert obj.matrix_world.to_scale()[0] == pytest.approx(100.0)
+    assert np.abs(armature.armature_to_rig(obj, 0.01).world - np.eye(4)).max() < 1e-6
