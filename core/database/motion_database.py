@@ -30,7 +30,7 @@ POSE = slice(12, 27)
 FEATURE_COUNT = 27
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True)
 class Clip:
     """A run of consecutive frames that came from one take."""
 

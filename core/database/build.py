@@ -1,0 +1,190 @@
+"""Takes become a motion database (paper, sections 5.1 and 5.2)."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import VERSION
+from ..errors import InputError
+from ..jobs import Job
+from ..mocap.edit import cut, mirror, resample
+from ..mocap.skeleton import Motion, Skeleton, Take
+from ..recording.mounts import SIMULATED_MOUNTS
+from ..rig.retarget import retarget
+from ..settings import DatabaseSettings, check
+from .clips import Exclusion, check_exclusions, kept_ranges
+from .contacts import find_contacts, toe_positions
+from .features import clip_features, horizon_frames, normalize_features
+from .motion_database import Clip, MotionDatabase, PoseDatabase
+from .poses import clip_poses, join_poses
+from .virtual_root import virtual_root
+
+Array = NDArray[np.floating[Any]]
+
+_LEAST_VALID_FRAMES = 5
+"""A clip must hold so many frames that the search can find."""
+_SAME_PLACE = 1e-4
+"""Metres: bones that differ less are the same."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Piece:
+    """One clip on its way into the database; its clip still counts from 0."""
+
+    clip: Clip
+    poses: PoseDatabase
+    features: Array
+    trajectory_valid: NDArray[np.bool_]
+
+
+def build_database(
+    takes: Sequence[Take],
+    settings: DatabaseSettings,
+    *,
+    name: str,
+    tags: Sequence[str] = (),
+    exclude: Sequence[Exclusion] = (),
+) -> Job[MotionDatabase]:
+    """Build a motion database.
+
+    The first take's skeleton is the database's; takes on another are carried over by joint role, takes at
+    another rate are resampled. With `settings.mirror` the mirror images follow after all clips.
+
+    Args:
+        takes: at least one.
+        settings: rate, contacts, mirror, height range.
+        name: shown to people.
+        tags: words to find the database by.
+        exclude: stretches of takes to leave out; what remains on both sides becomes clips of its own.
+
+    Raises:
+        InputError: no take, a setting out of bounds, an exclusion of an unknown take, or nothing long enough.
+    """
+    check(settings)
+    if settings.height_low >= settings.height_high:
+        low, high = settings.height_low, settings.height_high
+        raise InputError(f"height range {low:g} to {high:g}: its end must lie above its start")
+    if not takes:
+        raise InputError(f"database {name!r}: no takes; give at least one mocap file")
+    check_exclusions(takes, exclude)
+    skeleton = takes[0].motion.skeleton
+    pieces: list[_Piece] = []
+    mirrored: list[_Piece] = []
+    skipped: list[str] = []
+    for i, take in enumerate(takes):
+        yield i / len(takes), f"Features of {take.name}"
+        motion = _at_home(take.motion, skeleton, settings.fps)
+        for clip in _clips(take, motion, exclude, skipped):
+            part = cut(motion, clip.start, clip.stop)
+            pieces.append(_piece(clip, part, settings))
+            if settings.mirror:
+                image = replace(mirror(part), skeleton=skeleton)
+                mirrored.append(_piece(replace(clip, mirrored=True), image, settings))
+    pieces += mirrored
+    if not pieces:
+        raise InputError(f"database {name!r}: nothing to use: {'; '.join(skipped)}")
+    yield 0.95, "Normalising features"
+    features = normalize_features(
+        np.concatenate([piece.features for piece in pieces]),
+        np.concatenate([piece.trajectory_valid for piece in pieces]),
+    )
+    return MotionDatabase(
+        name=name,
+        skeleton=skeleton,
+        fps=settings.fps,
+        clips=_clip_table(pieces),
+        poses=join_poses([piece.poses for piece in pieces]),
+        features=features,
+        eye_height=_eye_height(skeleton),
+        height_range=(settings.height_low, settings.height_high),
+        tags=tuple(tags),
+        provenance=_provenance(takes, settings, exclude, skipped),
+    )
+
+
+def _at_home(motion: Motion, skeleton: Skeleton, fps: float) -> Motion:
+    """The motion at the database's rate on its skeleton."""
+    motion = resample(motion, fps)
+    if _same_bones(motion.skeleton, skeleton):
+        return replace(motion, skeleton=skeleton)
+    return retarget(motion, skeleton)
+
+
+def _same_bones(a: Skeleton, b: Skeleton) -> bool:
+    """Whether rotations and hips positions of one mean the same pose on the other."""
+    return (
+        a.roles == b.roles
+        and np.array_equal(a.parents, b.parents)
+        and (np.allclose(a.offsets[1:], b.offsets[1:], rtol=0.0, atol=_SAME_PLACE))
+    )
+
+
+def _clips(take: Take, motion: Motion, exclude: Sequence[Exclusion], skipped: list[str]) -> list[Clip]:
+    """The clips of a take, numbered in its own frames; what is too short goes to `skipped`, with why."""
+    least = int(horizon_frames(motion.fps)[-1]) + _LEAST_VALID_FRAMES
+    ranges = kept_ranges(take, exclude, len(motion), motion.fps)
+    clips: list[Clip] = []
+    for start, stop in ranges:
+        name = take.name
+        if stop - start < len(motion):
+            name += f" {start / motion.fps:.2f}-{stop / motion.fps:.2f} s"
+        if stop - start < least:
+            length = (stop - start) / motion.fps
+            skipped.append(f"{name}: {length:.2f} s long, a clip needs {least / motion.fps:.2f} s")
+        else:
+            clips.append(Clip(name, start, stop, take.file, take.sha256, mirrored=False))
+    if not ranges:
+        skipped.append(f"{take.name}: excluded as a whole")
+    return clips
+
+
+def _piece(clip: Clip, motion: Motion, settings: DatabaseSettings) -> _Piece:
+    positions, yaws = virtual_root(motion, settings.root_smoothing)
+    toes = toe_positions(motion)
+    contacts = find_contacts(toes, motion.fps, settings.contact_speed, settings.contact_window)
+    features, valid = clip_features(motion, positions, yaws)
+    return _Piece(clip, clip_poses(motion, positions, yaws, contacts), features, valid)
+
+
+def _clip_table(pieces: Sequence[_Piece]) -> tuple[Clip, ...]:
+    stops = np.cumsum([len(piece.poses) for piece in pieces]).tolist()
+    starts = [0, *stops[:-1]]
+    return tuple(
+        replace(piece.clip, start=start, stop=stop)
+        for piece, start, stop in zip(pieces, starts, stops, strict=True)
+    )
+
+
+def _eye_height(skeleton: Skeleton) -> float:
+    """Height of a simulated headset over the floor in T-pose."""
+    head = skeleton.tpose_positions()[skeleton.joint("head")]
+    return float(head[2] + SIMULATED_MOUNTS.offsets[0, 2])
+
+
+def _provenance(
+    takes: Sequence[Take], settings: DatabaseSettings, exclude: Sequence[Exclusion], skipped: Sequence[str]
+) -> dict[str, str]:
+    """What the database was made of, as JSON texts; no times, so that the same takes give the same bytes."""
+    sources = [
+        {
+            "name": take.name,
+            "file": take.file,
+            "sha256": take.sha256,
+            "frames": len(take.motion),
+            "fps": round(take.motion.fps, 6),
+        }
+        for take in takes
+    ]
+    return {
+        "producer": f"footwork {VERSION}",
+        "sources": json.dumps(sources),
+        "settings": json.dumps(asdict(settings)),
+        "excluded": json.dumps([str(item) for item in exclude]),
+        "skipped": json.dumps(list(skipped)),
+    }
