@@ -217,8 +217,8 @@ def _hips_height(skeleton: Skeleton, origin: float, world_heads: Array) -> float
     """Height of the hips over the floor in T-pose, metres.
 
     Characters are made standing on their object's origin, or on the world's floor with the object elsewhere:
-    the first of the two near which the feet are at rest is the floor. Else it is set below the feet by the share
-    of a leg that a foot joint usually is above its sole.
+    the first of the two near which the feet are at rest is the floor. Else it is set below the feet by the
+    share of a leg that a foot joint usually is above its sole.
 
     Args:
         skeleton: in T-pose, its hips at height 0.

@@ -33,22 +33,38 @@ def reach(
         New world rotations `(..., 2, 4)`, and `(...)` whether the end reaches the target.
     """
     upper, lower = joints[..., 1, :] - joints[..., 0, :], joints[..., 2, :] - joints[..., 1, :]
-    a, b = _norm(upper), _norm(lower)
     line, wanted = joints[..., 2, :] - joints[..., 0, :], targets - joints[..., 0, :]
-    distance = _norm(wanted)
-    span = np.clip(distance, np.abs(a - b), a + b)
-    reached = np.abs(span - distance)[..., 0] < 1e-6
-    frame = plane(wanted, aim)
-    whole = quat.multiply(quat.from_matrix(frame), quat.conjugate(quat.from_matrix(plane(line, bend))))
-    cosine = (a**2 + span**2 - b**2) / np.maximum(2.0 * a * span, 1e-12)
-    cosine = np.clip(cosine, -1.0, 1.0)
-    mid = a * (cosine * frame[..., 0] + np.sqrt(1.0 - cosine**2) * frame[..., 1])
-    end = span * frame[..., 0]
+    mid, end, reached = triangle(_norm(upper)[..., 0], _norm(lower)[..., 0], wanted, aim)
+    whole = quat.multiply(
+        quat.from_matrix(plane(wanted, aim)), quat.conjugate(quat.from_matrix(plane(line, bend)))
+    )
     out = np.empty(rotations.shape)
     for i, (old, new) in enumerate(((upper, mid), (lower, end - mid))):
         turn = quat.multiply(quat.between(quat.rotate(whole, old), new), whole)
         out[..., i, :] = quat.multiply(turn, rotations[..., i, :])
     return out, reached
+
+
+def triangle(upper: Array, lower: Array, wanted: Array, aim: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """Where the mid joint and the end of a limb lie, seen from its root, metres.
+
+    Args:
+        upper: `(...)` length of the first bone.
+        lower: `(...)` length of the second.
+        wanted: `(..., 3)` from the root to the target.
+        aim: `(..., 3)` where the mid joint shall lie, seen from the line to the target.
+
+    Returns:
+        Mid joint `(..., 3)`, end `(..., 3)`, and `(...)` whether the end is at the target.
+    """
+    distance = np.linalg.norm(wanted, axis=-1)
+    span = np.clip(distance, np.abs(upper - lower), upper + lower)
+    cosine = (upper**2 + span**2 - lower**2) / np.maximum(2.0 * upper * span, 1e-12)
+    cosine = np.clip(cosine, -1.0, 1.0)
+    frame = plane(wanted, aim)
+    along, side = (upper * cosine)[..., None], (upper * np.sqrt(1.0 - cosine**2))[..., None]
+    mid = along * frame[..., 0] + side * frame[..., 1]
+    return mid, span[..., None] * frame[..., 0], np.abs(span - distance) < 1e-6
 
 
 def bend_direction(joints: Array, hint: Array, softness: float) -> Array:

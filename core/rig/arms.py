@@ -1,0 +1,172 @@
+"""Hands at the controllers: clavicle, elbow plane and forearm twist (paper, section 6.1).
+
+Arms are posed anew in anatomical terms: in T-pose with palms down the elbow is a hinge about the vertical
+whose elbow side looks back. The hinge gives the upper arm's and the forearm's own rotation, so that neither
+is twisted by what the matched motion's arms did.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..maths import filters, quat
+from ..mocap.skeleton import SIDES, Motion
+from . import two_bone, validity
+from .pose import with_world_rotations
+from .retarget import spine
+
+Array = NDArray[np.floating[Any]]
+
+_HELP_FROM = 0.93
+"""Share of the arm's length from which the clavicle helps."""
+_HELP_SOFT = 0.02
+"""Metres over which its help sets in."""
+_HELP_MOST = np.radians(25.0)
+_ELBOW = np.array([0.4, -0.4, -0.85])
+"""Where an elbow likes to be, seen from the line between shoulder and wrist: outward, back and down."""
+_FROM_HAND, _FROM_MOTION = 0.5, 0.4
+"""Say of the hand's own axis and of the matched motion's elbow, beside 1 for where an elbow likes to be."""
+_AIM_S = 0.08
+"""Standard deviation in seconds of the smoothing of the elbow's plane."""
+_TWIST_SHARE = 0.6
+"""Share of the hand's twist that the forearm takes."""
+_BACK = np.array([0.0, -1.0, 0.0])
+
+
+def reach_hands(
+    motion: Motion, positions: Array, rotations: Array, valid: NDArray[np.bool_]
+) -> tuple[Motion, NDArray[np.bool_]]:
+    """`motion` with its hands at targets.
+
+    Near full reach the clavicle follows. A target out of reach leaves the arm straight towards it. The arm
+    of a lost controller goes over to the motion's within 0.2 s.
+
+    Args:
+        motion: metres.
+        positions: `(T, 2, 3)` where the left and right hand joints, the wrists, shall be, metres.
+        rotations: `(T, 2, 4)` their world rotations since T-pose.
+        valid: `(T, 2)` whether the controller was tracked.
+
+    Returns:
+        The motion, and `(T, 2)` whether a tracked hand is out of reach.
+    """
+    unreachable = np.zeros((len(motion), 2), np.bool_)
+    world = motion.forward()
+    for i in range(2):
+        if valid[:, i].any():
+            motion, missed = _reach(motion, world, i, positions[:, i], rotations[:, i], valid[:, i])
+            unreachable[:, i] = missed & valid[:, i]
+    return motion, unreachable
+
+
+def _reach(
+    motion: Motion,
+    world: tuple[Array, Array],
+    side: int,
+    target: Array,
+    hand: Array,
+    valid: NDArray[np.bool_],
+) -> tuple[Motion, NDArray[np.bool_]]:
+    """One arm of `reach_hands`; `world` are the motion's joint positions and rotations."""
+    skeleton = motion.skeleton
+    places, turns = world
+    names = ("upper_arm", "forearm", "hand")
+    joints = [skeleton.joint(f"{part}.{SIDES[side]}") for part in names]
+    chest = spine(skeleton)[-1]
+    target, hand = _through_gaps(places[:, chest], turns[:, chest], target, hand, valid)
+
+    limb = places[:, joints]
+    bones = limb[:, 1:] - limb[:, :-1]
+    upper, lower = np.linalg.norm(bones, axis=-1).T
+    wanted: dict[int, Array] = {}
+    clavicle = skeleton.find(f"clavicle.{SIDES[side]}")
+    shoulder = limb[:, 0]
+    if clavicle >= 0:
+        help_turn = _clavicle_help(places[:, clavicle], shoulder, target, upper + lower)
+        wanted[clavicle] = quat.multiply(help_turn, turns[:, clavicle])
+        shoulder = places[:, clavicle] + quat.rotate(help_turn, shoulder - places[:, clavicle])
+
+    line = two_bone.unit(target - shoulder)
+    aim = _elbow_aim(motion.fps, side, line, turns[:, chest], hand, limb)
+    mid, end, reached = two_bone.triangle(upper, lower, target - shoulder, aim)
+    arm = _hinge(turns[:, joints[0]], bones[:, 0], mid, aim)
+    forearm = _hinge(turns[:, joints[1]], bones[:, 1], end - mid, aim)
+    wanted |= {joints[0]: arm, joints[1]: _twisted(forearm, end - mid, hand), joints[2]: hand}
+    solved = with_world_rotations(motion, wanted)
+    return _blend(motion, solved, list(wanted), validity.weights(valid, motion.fps)), ~reached
+
+
+def _through_gaps(
+    origin: Array, frame: Array, target: Array, hand: Array, valid: NDArray[np.bool_]
+) -> tuple[Array, Array]:
+    """Targets carried through gaps as they move with the chest, at `origin` `(T, 3)`, turned by `frame`
+    `(T, 4)`."""
+    if valid.all():
+        return target, hand
+    back = quat.conjugate(frame)
+    place = validity.carry(quat.rotate(back, target - origin), valid)
+    turn = validity.carry_rotations(quat.multiply(back, hand), valid)
+    return origin + quat.rotate(frame, place), quat.multiply(frame, turn)
+
+
+def _clavicle_help(clavicle: Array, shoulder: Array, target: Array, length: Array) -> Array:
+    """Turn of the clavicle `(T, 4)` that brings the shoulder nearer to a target at the end of the arm's
+    reach."""
+    arm, way = shoulder - clavicle, target - shoulder
+    excess = np.linalg.norm(way, axis=-1) - _HELP_FROM * length
+    excess = 0.5 * (excess + np.sqrt(excess**2 + _HELP_SOFT**2))
+    # the shoulder moves towards the target by |axis| metres for each radian about the axis
+    axis = np.cross(arm, two_bone.unit(way))
+    lever = np.linalg.norm(axis, axis=-1)
+    angle = _HELP_MOST * np.tanh(excess * lever / (lever**2 + 0.03**2) / _HELP_MOST)
+    return quat.from_rotation_vector(two_bone.unit(axis) * angle[:, None])
+
+
+def _elbow_aim(fps: float, side: int, line: Array, chest: Array, hand: Array, limb: Array) -> Array:
+    """Where the elbow shall lie `(T, 3)`, seen from the line between shoulder and wrist, not of unit
+    length."""
+    sign = np.array([-1.0 if SIDES[side] == "L" else 1.0, 1.0, 1.0])
+    liked = quat.rotate(chest, _ELBOW * sign)
+    along_hand = quat.rotate(hand, np.array([1.0, 0.0, 0.0]) * sign)
+    bent = two_bone.across(limb[:, 1] - limb[:, 0], two_bone.unit(limb[:, 2] - limb[:, 0]))
+    bent = bent / np.maximum(np.linalg.norm(bent, axis=-1, keepdims=True), 0.05)
+    aim = liked - _FROM_HAND * along_hand + _FROM_MOTION * bent
+    smooth = filters.gaussian(two_bone.across(aim, line), _AIM_S * fps)
+    return two_bone.across(smooth, line)
+
+
+def _hinge(rotation: Array, bone: Array, along: Array, aim: Array) -> Array:
+    """World rotation `(T, 4)` of an arm bone that runs along `along` with its elbow side towards `aim`.
+
+    Args:
+        rotation: `(T, 4)` its world rotation in the motion.
+        bone: `(T, 3)` where that has the bone's end, seen from its joint.
+        along: `(T, 3)` where the end shall be.
+        aim: `(T, 3)` see `_elbow_aim`.
+    """
+    rest = two_bone.plane(quat.rotate(quat.conjugate(rotation), bone), np.broadcast_to(_BACK, bone.shape))
+    return quat.from_matrix(two_bone.plane(along, aim) @ np.swapaxes(rest, -1, -2))
+
+
+def _twisted(forearm: Array, along: Array, hand: Array) -> Array:
+    """The forearm's rotation `(T, 4)` with its share of the hand's twist about `along` `(T, 3)`."""
+    axis = two_bone.unit(along)
+    turn = quat.multiply(hand, quat.conjugate(forearm))
+    twist = 2.0 * np.arctan2(np.sum(turn[:, 1:] * axis, axis=-1), turn[:, 0])
+    twist = (twist + np.pi) % (2.0 * np.pi) - np.pi
+    # at half a turn the side of the twist is open: the share fades out lest the forearm flips
+    t = np.clip((np.pi - np.abs(twist)) / np.radians(60.0), 0.0, 1.0)
+    share = _TWIST_SHARE * t * t * (3.0 - 2.0 * t)
+    return quat.multiply(quat.from_rotation_vector(axis * (share * twist)[:, None]), forearm)
+
+
+def _blend(motion: Motion, solved: Motion, joints: list[int], weight: Array) -> Motion:
+    """`solved` where the weight `(T,)` is 1, `motion` where it is 0, local rotations of `joints` between."""
+    if (weight < 1.0).any():
+        for joint in joints:
+            mixed = quat.slerp(motion.rotations[:, joint], solved.rotations[:, joint], weight)
+            solved.rotations[:, joint] = quat.continuous(mixed)
+    return solved

@@ -1,0 +1,71 @@
+"""The last step of the method: the matched motion on a rig, its feet, head and hands where they belong."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..mocap.skeleton import Motion, Skeleton
+from ..recording.body import joint_targets
+from ..recording.recording import Recording
+from ..settings import BakeSettings
+from .arms import reach_hands
+from .feet import place_feet, plan_feet
+from .head import place_head
+from .retarget import retarget
+
+Array = NDArray[np.floating[Any]]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AvatarResult:
+    """The avatar, and what it was to reach."""
+
+    motion: Motion
+    """On the rig's skeleton, world metres."""
+    contacts: NDArray[np.bool_]
+    """`(T, 2)` left, right foot on the ground; with foot lock the frames in which its toe stands still."""
+    unreachable: NDArray[np.bool_]
+    """`(T, 2)` left, right hand tracked but out of reach."""
+    targets: Array
+    """`(T, 3, 3)` where the head, left and right hand joints should be, metres."""
+    target_rotations: Array
+    """`(T, 3, 4)` their world rotations since T-pose."""
+    valid: NDArray[np.bool_]
+    """`(T, 3)` whether each was tracked."""
+
+
+def animate(
+    motion: Motion,
+    contacts: NDArray[np.bool_],
+    recording: Recording,
+    skeleton: Skeleton,
+    settings: BakeSettings,
+) -> AvatarResult:
+    """Bring a matched motion onto a skeleton, its head and hands to the trackers, its feet to the floor.
+
+    Args:
+        motion: the matched motion on the database's skeleton, sized for the recording, world metres.
+        contacts: `(T, 2)` its foot contacts.
+        recording: trackers at the motion's rate, sized for `skeleton`.
+        skeleton: the rig's.
+        settings: `head`, `arms`, `foot_lock`, `unlock_distance` and `halflife` are used.
+    """
+    targets, rotations = joint_targets(recording)
+    body = retarget(motion, skeleton)
+    steps = body
+    if settings.head:
+        body, moved = place_head(body, targets[:, 0], rotations[:, 0], recording.valid[:, 0])
+        # feet keep the matched motion's height and go along with the body over the ground
+        steps = replace(steps, positions=steps.positions + np.pad(moved, ((0, 0), (0, 1))))
+    held = contacts if settings.foot_lock else np.zeros_like(contacts)
+    plan = plan_feet(steps, held, settings.unlock_distance, settings.halflife)
+    body = place_feet(body, plan)
+    unreachable = np.zeros(contacts.shape, np.bool_)
+    if settings.arms:
+        body, unreachable = reach_hands(body, targets[:, 1:], rotations[:, 1:], recording.valid[:, 1:])
+    standing = plan.contacts if settings.foot_lock else contacts
+    return AvatarResult(body, standing, unreachable, targets, rotations, recording.valid)

@@ -1,0 +1,159 @@
+"""The head at the headset: neck and spine share its turn, hips and spine its place (issue of the paper's
+section 6).
+
+The head joint ends exactly at its target. Its turn is shared with neck and chest. Of the way that is left,
+the slow part over the ground moves the body, the quick part bends the spine, and the hips take the rest,
+which is mostly height; a head much lower than the motion's bends the trunk forward as well. Legs are to be
+solved afterwards.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..maths import filters, quat
+from ..mocap.skeleton import Motion
+from . import validity
+from .pose import with_world_rotations
+from .retarget import neck, path, pelvis, spine
+
+Array = NDArray[np.floating[Any]]
+
+_CHEST_SHARE = 0.18
+"""Share of the head's turn that reaches the chest; the neck lies half way between chest and head."""
+_SLOW_S = 0.35
+"""Standard deviation in seconds of the smoothing that tells the body's own drift from a lean."""
+_BEND = np.radians(20.0)
+"""Greatest bend of the spine towards the head."""
+_STOOP_FROM, _STOOP = 0.05, 0.9
+"""Metres the head may sink below the motion's before the trunk bends, and radians for each metre further."""
+_LOWEST_HIPS = 0.25
+"""Least height of the hips as a share of the leg's length."""
+_DEEPEST_STOOP = np.radians(100.0)
+_UP = np.array([0.0, 0.0, 1.0])
+
+
+def place_head(
+    motion: Motion, positions: Array, rotations: Array, valid: NDArray[np.bool_]
+) -> tuple[Motion, Array]:
+    """`motion` with its head joint at a target.
+
+    Args:
+        motion: metres.
+        positions: `(T, 3)` where the head joint shall be, metres.
+        rotations: `(T, 4)` its world rotation since T-pose.
+        valid: `(T,)` whether the headset was tracked; elsewhere the head is left to the motion.
+
+    Returns:
+        The motion, its legs carried along by the hips, and how far `(T, 2)` the body was moved over the
+        ground: feet should be moved as much before they are locked.
+    """
+    if not valid.any():
+        return motion, np.zeros((len(motion), 2))
+    chain = _Chain(motion)
+    weight = validity.weights(valid, motion.fps)[:, None]
+    turn = quat.multiply(rotations, quat.conjugate(chain.rotations[-1]))
+    turn = quat.to_rotation_vector(validity.carry_rotations(turn, valid)) * weight
+    away = validity.carry(positions - chain.head(), valid) * weight
+    target = chain.head() + away
+
+    chain.turn_head(turn)
+    error = target - chain.head()
+    moved = filters.gaussian(error[:, :2], _SLOW_S * motion.fps)
+    chain.stoop(_stoop(motion, chain, error))
+    chain.bend(error[:, :2] - moved)
+    hips = motion.positions + target - chain.head()
+    hips[:, 2] = np.maximum(hips[:, 2], np.minimum(_lowest(motion), motion.positions[:, 2]))
+    joints = dict(zip(chain.joints, chain.rotations, strict=True))
+    return with_world_rotations(motion, joints, hips), moved
+
+
+class _Chain:
+    """World rotations of the joints from hips to head, while they are being changed."""
+
+    def __init__(self, motion: Motion) -> None:
+        skeleton = motion.skeleton
+        self.joints = path(skeleton, 0, skeleton.joint("head"))
+        self.offsets = skeleton.offsets[self.joints]
+        self.pelvis = len(pelvis(skeleton))
+        self.chest = self.joints.index(spine(skeleton)[-1])
+        self.necks = len(neck(skeleton))
+        self.hips = motion.positions
+        self.rotations: list[Array] = []
+        for joint in self.joints:
+            local = motion.rotations[:, joint]
+            self.rotations.append(quat.multiply(self.rotations[-1], local) if self.rotations else local)
+
+    def places(self) -> list[Array]:
+        """World positions `(T, 3)` of the joints, the hips where the motion has them."""
+        out = [self.hips]
+        for rotation, offset in zip(self.rotations, self.offsets[1:], strict=False):
+            out.append(out[-1] + quat.rotate(rotation, offset))
+        return out
+
+    def head(self) -> Array:
+        """World position `(T, 3)` of the head joint."""
+        return self.places()[-1]
+
+    def turn_head(self, vector: Array) -> None:
+        """Turn the head by rotation vectors `(T, 3)` in the world, and what carries it by shares of them."""
+        # a half turn has no side: the share fades out towards it, lest the chest flips from left to right
+        angle = np.linalg.norm(vector, axis=-1, keepdims=True)
+        shared = vector * _fade(angle)
+        last = len(self.joints) - 1
+        for i in range(self.pelvis, last):
+            if i <= self.chest:
+                share = _CHEST_SHARE * (i - self.pelvis + 1) / (self.chest - self.pelvis + 1)
+            else:
+                share = _CHEST_SHARE + (1.0 - _CHEST_SHARE) * (i - self.chest) / (self.necks + 1)
+            self._rotate(i, share * shared)
+        self._rotate(last, vector)
+
+    def stoop(self, angle: Array) -> None:
+        """Bend the trunk forward by angles `(T,)`, half in the hips, the rest along the spine; neck and
+        head stay."""
+        right = quat.rotate(self.rotations[0], np.array([1.0, 0.0, 0.0])) * np.array([1.0, 1.0, 0.0])
+        right /= np.maximum(np.linalg.norm(right, axis=-1, keepdims=True), 1e-9)
+        for i in range(self.chest + 1):
+            share = 0.5 + 0.5 * max(i - self.pelvis + 1, 0) / max(self.chest - self.pelvis + 1, 1)
+            self._rotate(i, -right * (share * angle)[:, None])
+
+    def bend(self, way: Array) -> None:
+        """Bend the spine so that the head moves by `way` `(T, 2)` over the ground, as far as a spine
+        bends."""
+        count = self.chest - self.pelvis + 1
+        if count < 1:
+            return
+        places = self.places()
+        levers = sum(places[-1][:, 2] - places[i][:, 2] for i in range(self.pelvis, self.chest + 1))
+        total = np.linalg.norm(way, axis=-1) * count / np.maximum(levers, 0.3)
+        axis = np.stack([-way[:, 1], way[:, 0], np.zeros(len(way))], axis=-1)
+        axis /= np.maximum(np.linalg.norm(axis, axis=-1, keepdims=True), 1e-9)
+        vector = axis * (_BEND * np.tanh(total / _BEND))[:, None]
+        for i in range(self.pelvis, self.chest + 1):
+            self._rotate(i, vector * ((i - self.pelvis + 1) / count))
+
+    def _rotate(self, index: int, vector: Array) -> None:
+        self.rotations[index] = quat.multiply(quat.from_rotation_vector(vector), self.rotations[index])
+
+
+def _fade(angle: Array) -> Array:
+    """1 up to 110 degrees, 0 at 180."""
+    t = np.clip((np.pi - angle) / np.radians(70.0), 0.0, 1.0)
+    return t * t * (3.0 - 2.0 * t)
+
+
+def _lowest(motion: Motion) -> float:
+    return _LOWEST_HIPS * motion.skeleton.leg_length()
+
+
+def _stoop(motion: Motion, chain: _Chain, error: Array) -> Array:
+    """How far `(T,)` the trunk bends forward for a head that is `error` `(T, 3)` away."""
+    drop = np.maximum(-error[:, 2] - _STOOP_FROM, 0.0)
+    upright = np.maximum(chain.head()[:, 2] - motion.positions[:, 2], 0.1)
+    room = np.clip((chain.head()[:, 2] + error[:, 2] - _lowest(motion)) / upright, -1.0, 1.0)
+    wanted = np.minimum(np.maximum(_STOOP * drop, np.arccos(room) * (room < 1.0)), _DEEPEST_STOOP)
+    return filters.gaussian(wanted, 0.1 * motion.fps)
