@@ -31,8 +31,8 @@ class Body:
     """`(J, 3)` from the parent, in the parent's axes."""
     tips: Array
     """`(J, 3)` from a leaf joint to the end of its bone, in its own axes; zeros where unknown."""
-    hips: Array
-    """`(T, 3)` the hips in the world."""
+    positions: Array
+    """`(T, J, 3)` in the world."""
     rotations: Array
     """`(T, J, 4)` global rotations."""
     slide: Array
@@ -42,28 +42,28 @@ class Body:
         """Index of a role's joint."""
         return self.roles.index(role)
 
-    def positions(self) -> Array:
-        """Joint positions `(T, J, 3)` in the world."""
-        return chain_positions(self.hips, self.rotations, self.offsets, self.parents)
-
     def turned(self, rotation: Array, scale: float) -> Body:
         """The same in other world axes and another unit."""
         return replace(
             self,
             offsets=self.offsets * scale,
             tips=self.tips * scale,
-            hips=quat.rotate(rotation, self.hips) * scale,
+            positions=quat.rotate(rotation, self.positions) * scale,
             rotations=quat.multiply(rotation, self.rotations),
             slide=self.slide * scale,
         )
 
     def frames(self, start: int) -> Body:
         """The same from frame `start` on."""
-        return replace(self, hips=self.hips[start:], rotations=self.rotations[start:])
+        return replace(self, positions=self.positions[start:], rotations=self.rotations[start:])
+
+    def pose(self, rotations: Array) -> Array:
+        """Joint positions `(J, 3)`, the hips at the origin, with global rotations `(J, 4)`."""
+        return chain_positions(np.zeros((1, 3)), rotations[None], self.offsets, self.parents)[0]
 
 
 def chain_positions(hips: Array, rotations: Array, offsets: Array, parents: NDArray[np.intp]) -> Array:
-    """Joint positions `(T, J, 3)` from the hips' `(T, 3)`, global rotations `(T, J, 4)` and offsets `(J, 3)`."""
+    """Positions `(T, J, 3)` from the hips' `(T, 3)`, global rotations `(T, J, 4)` and offsets `(J, 3)`."""
     out = np.empty((*rotations.shape[:-1], 3))
     out[:, 0] = hips
     for j, p in enumerate(parents.tolist()):
@@ -79,25 +79,27 @@ def reduce_to_body(bvh: BvhFile, roles: tuple[str, ...]) -> Body:
     """
     parents = bvh.parents.tolist()
     kept, above = _kept(parents, roles)
+    joints = sorted(kept)
     chosen = np.array(sorted(kept | above), dtype=np.intp)
     place = {joint: k for k, joint in enumerate(chosen.tolist())}
-    local_parents = np.array([place.get(parents[joint], -1) for joint in chosen], dtype=np.intp)
     local_p, local_r = local_transforms(bvh, chosen)
-    global_p, global_r = global_transforms(local_p, local_r, local_parents)
-    body = np.array([place[joint] for joint in sorted(kept)], dtype=np.intp)
-    inner = {joint: k for k, joint in enumerate(sorted(kept))}
+    all_parents = np.array([place.get(parents[joint], -1) for joint in chosen], dtype=np.intp)
+    global_p, global_r = global_transforms(local_p, local_r, all_parents)
+    body = np.array([place[joint] for joint in joints], dtype=np.intp)
     offsets = np.median(local_p[:, body], axis=0)
     slide = np.linalg.norm(local_p[:, body] - offsets, axis=-1).max(axis=0)
     slide[0] = 0.0
-    joints = sorted(kept)
+    inner = {joint: k for k, joint in enumerate(joints)}
+    inner_parents = np.array([inner.get(parents[joint], -1) for joint in joints], dtype=np.intp)
+    rotations = global_r[:, body]
     return Body(
         names=tuple(bvh.names[joint] for joint in joints),
         roles=tuple(roles[joint] for joint in joints),
-        parents=np.array([inner.get(parents[joint], -1) for joint in joints], dtype=np.intp),
+        parents=inner_parents,
         offsets=offsets,
         tips=np.array([_tip(bvh, joint, roles[joint]) for joint in joints]),
-        hips=global_p[:, body[0]],
-        rotations=global_r[:, body],
+        positions=chain_positions(global_p[:, body[0]], rotations, offsets, inner_parents),
+        rotations=rotations,
         slide=slide,
     )
 
@@ -112,6 +114,7 @@ def with_toes(body: Body) -> tuple[Body, list[str]]:
         name = body.names[foot]
         renamed = name.replace("Foot", "Toe").replace("foot", "toe").replace("Ankle", "Toe")
         made.append(name)
+        toe = body.positions[:, foot] + quat.rotate(body.rotations[:, foot], body.tips[foot])
         tips = np.concatenate([body.tips, np.zeros((1, 3))])
         tips[foot] = 0.0
         body = replace(
@@ -121,6 +124,7 @@ def with_toes(body: Body) -> tuple[Body, list[str]]:
             parents=np.append(body.parents, foot),
             offsets=np.concatenate([body.offsets, body.tips[foot][None]]),
             tips=tips,
+            positions=np.concatenate([body.positions, toe[:, None]], axis=1),
             rotations=np.concatenate([body.rotations, body.rotations[:, [foot]]], axis=1),
             slide=np.append(body.slide, 0.0),
         )
@@ -141,10 +145,9 @@ def find_unit(body: Body) -> tuple[str, float]:
 
 
 def find_up(body: Body) -> tuple[str, float]:
-    """Whether Y or Z points up in the file, and how clearly: the mean share of the feet-to-head line along it."""
-    positions = body.positions()
-    feet = 0.5 * (positions[:, body.joint("foot.L")] + positions[:, body.joint("foot.R")])
-    line = positions[:, body.joint("head")] - feet
+    """Whether Y or Z points up in the file, and how clearly: the share of the feet-to-head line along it."""
+    feet = 0.5 * (body.positions[:, body.joint("foot.L")] + body.positions[:, body.joint("foot.R")])
+    line = body.positions[:, body.joint("head")] - feet
     share = np.mean(line / np.maximum(np.linalg.norm(line, axis=-1, keepdims=True), 1e-9), axis=0)
     axis = "Y" if abs(share[1]) >= abs(share[2]) else "Z"
     return axis, float(share["XYZ".index(axis)])
@@ -176,7 +179,7 @@ def _kept(parents: list[int], roles: tuple[str, ...]) -> tuple[set[int], set[int
 
 
 def _tip(bvh: BvhFile, joint: int, role: str) -> Array:
-    """The end of a leaf's bone: its end site, or for hands, feet and toes the mean of the joints hanging on it."""
+    """The end of a leaf's bone: its end site, or for hands, feet and toes the mean of the joints on it."""
     part = role.partition(".")[0]
     if part in ("hips", *SPINE, ""):
         return np.zeros(3)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,15 +12,22 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..maths import kinematics, quat
-from .body import UNITS, Body, chain_positions, find_unit, find_up, reduce_to_body, with_toes
+from . import checks
+from .body import UNITS, Body, find_unit, find_up, reduce_to_body, with_toes
 from .bvh import BvhFile, read_bvh
 from .edit import resample
+from .floor import floor_height, foot_bottoms, is_floor
 from .roles import match_roles
 from .skeleton import Motion, Skeleton, Take
-from .tpose import tpose_rotations
+from .tpose import FORWARD, NEAR, looks_like_tpose, tpose_rotations
 from .typical import typical_pose
 
 Array = NDArray[np.floating[Any]]
+
+_TPOSE_FRAME = np.radians(25.0)
+"""A first frame whose limbs are this near to T-pose is one."""
+_SLIDE = 0.01
+"""Metres that a joint may move against its parent before it is mentioned."""
 
 
 def load_take(path: str | os.PathLike[str], fps: float | None = None) -> Take:
@@ -36,30 +44,26 @@ def load_take(path: str | os.PathLike[str], fps: float | None = None) -> Take:
 
 
 def take_from_bvh(bvh: BvhFile, fps: float | None = None) -> Take:
-    """The same from a BVH file that is read already."""
-    try:
-        match = match_roles(bvh.names, bvh.parents)
-    except InputError as error:
-        raise InputError(f"{bvh.file}: {error}") from None
-    body, _ = with_toes(reduce_to_body(bvh, match.roles))
-    unit, _ = find_unit(body)
-    up, _ = find_up(body)
-    axes = quat.from_axis("X", np.pi / 2 if up == "Y" else 0.0)
-    body = body.turned(axes, UNITS[unit])
+    """As `load_take`, from a file that has been read already."""
+    notes = _Notes()
+    body = _read_body(bvh, notes)
     rate = frame_rate(bvh.frame_time)
-    rest = np.repeat(axes[None], len(body.names), axis=0)
-    rest_positions = chain_positions(np.zeros((1, 3)), rest[None], body.offsets, body.parents)[0]
-    tpose = tpose_rotations(body.parents, body.roles, rest, rest_positions, typical_pose(body, rate))
-    motion = to_motion(body, tpose, rate)
-    if fps is not None:
+    length = f"{len(bvh)} frames, {len(bvh) / rate:.1f} s"
+    notes.found["rate"] = f"{rate:g} fps (frame time {bvh.frame_time:g} s), {length}"
+    cut, rest = _first_frame(body, notes)
+    tpose = _find_tpose(body, rest, cut, rate, notes)
+    motion = _on_floor(to_motion(body.frames(cut), tpose, rate), notes)
+    _check(motion, body, notes)
+    if fps is not None and fps != rate:
         motion = resample(motion, fps)
+        notes.found["resampled"] = f"to {fps:g} fps, {len(motion)} frames"
     return Take(
         name=Path(bvh.file).stem,
         file=bvh.file,
         sha256=bvh.sha256,
         motion=motion,
-        found={"preset": match.preset, "unit": unit, "up": up, "rate": f"{rate:g}"},
-        doubts=match.doubts,
+        found=notes.found,
+        doubts=tuple(notes.doubts),
     )
 
 
@@ -67,21 +71,156 @@ def frame_rate(frame_time: float) -> float:
     """Frames per second of a frame time written with few digits: whole or broadcast rates where they fit."""
     digits = len(np.format_float_positional(frame_time).partition(".")[2])
     slack = 0.51 * 10.0**-digits
-    whole = max(round(1.0 / frame_time), 1)
+    whole = float(max(round(1.0 / frame_time), 1))
     broadcast = max(round(1.001 / frame_time), 1) / 1.001
     for rate in (whole, broadcast):
         if abs(1.0 / rate - frame_time) <= slack:
-            return float(rate)
-    return float(whole) if abs(whole * frame_time - 1.0) < 0.003 else 1.0 / frame_time
+            return rate
+    return whole if abs(whole * frame_time - 1.0) < 0.003 else 1.0 / frame_time
 
 
 def to_motion(body: Body, tpose: Array, fps: float) -> Motion:
-    """Rotations since T-pose: a change of basis that moves no joint."""
-    parents = body.parents
-    offsets = quat.rotate(tpose[np.maximum(parents, 0)], body.offsets)
+    """Rotations since T-pose: a change of basis that moves no joint. The T-pose's lowest joint is at height 0."""
+    offsets = quat.rotate(tpose[np.maximum(body.parents, 0)], body.offsets)
     offsets[0] = 0.0
     since = quat.multiply(body.rotations, quat.conjugate(tpose))
-    skeleton = Skeleton(body.names, parents, offsets, body.roles, quat.rotate(tpose, body.tips))
-    lowest = skeleton.tpose_positions()[:, 2].min()
-    offsets[0, 2] = -lowest
-    return Motion(skeleton, fps, body.hips, kinematics.local_rotations(since, parents))
+    skeleton = Skeleton(body.names, body.parents, offsets, body.roles, quat.rotate(tpose, body.tips))
+    rotations = kinematics.local_rotations(since, body.parents)
+    return Motion(skeleton, fps, body.positions[:, 0], rotations)
+
+
+@dataclass(slots=True)
+class _Notes:
+    """What is said about a take, while it is read."""
+
+    found: dict[str, str] = field(default_factory=dict[str, str])
+    doubts: list[str] = field(default_factory=list[str])
+
+
+def _read_body(bvh: BvhFile, notes: _Notes) -> Body:
+    """The humanoid's joints in metres and Z up."""
+    try:
+        match = match_roles(bvh.names, bvh.parents)
+    except InputError as error:
+        raise InputError(f"{bvh.file}: {error}") from None
+    known = sum(role != "" for role in match.roles)
+    notes.found["joint names"] = f"{match.preset}, {known} of {len(bvh.names)} joints have a role"
+    notes.doubts.extend(match.doubts)
+    body, made = with_toes(reduce_to_body(bvh, match.roles))
+    unit, length = find_unit(body)
+    notes.found["unit"] = f"{unit} (thigh, shin and hips to head measure {length:.2f} m)"
+    if not 0.8 < length < 2.2:
+        notes.doubts.append(f"the body measures {length:.2f} m with {unit} as unit: not an adult's size")
+    up, share = find_up(body)
+    notes.found["up axis"] = up
+    if share < 0.6:
+        notes.doubts.append(
+            f"{up} is taken as up, but the head is above the feet along it for little of the time"
+        )
+    body = body.turned(quat.from_axis("X", np.pi / 2 if up == "Y" else 0.0), UNITS[unit])
+    notes.found["axes"] = up
+    if made:
+        notes.found["toes"] = f"made at the ends of {' and '.join(made)}, which have none"
+    elif "toe.L" not in body.roles or "toe.R" not in body.roles:
+        notes.doubts.append("the feet have neither toes nor end sites: contacts are judged at the ankles")
+    for name, slide in zip(body.names, body.slide.tolist(), strict=True):
+        if slide > _SLIDE:
+            notes.doubts.append(
+                f"{name} slides by up to {100 * slide:.1f} cm on its parent; it is held at its median place"
+            )
+    return body
+
+
+def _first_frame(body: Body, notes: _Notes) -> tuple[int, bool]:
+    """How many frames to cut at the start, and whether the first one shows a T-pose."""
+    positions = body.positions
+    if not looks_like_tpose(body.roles, positions[0], _TPOSE_FRAME):
+        return 0, False
+    if len(positions) < 3:
+        notes.found["first frame"] = "T-pose"
+        return 0, True
+    steps = np.linalg.norm(np.diff(positions[:30], axis=0), axis=-1).max(axis=1)
+    if steps[0] > 0.1 and steps[0] > 3.0 * steps[1:].max():
+        notes.found["first frame"] = "T-pose, cut"
+        return 1, True
+    notes.found["first frame"] = "T-pose from which the motion goes on, kept"
+    return 0, True
+
+
+def _find_tpose(body: Body, first_frame: bool, cut: int, fps: float, notes: _Notes) -> Array:
+    """Global rotations in T-pose, from the zero pose, a first frame in T-pose or the data."""
+    up = quat.conjugate(quat.from_axis("X", np.pi / 2 if notes.found.pop("axes") == "Y" else 0.0))
+    zero = np.repeat(quat.conjugate(up)[None], len(body.names), axis=0)
+    rest, positions = zero, body.pose(zero)
+    source = "the file's zero pose"
+    if not looks_like_tpose(body.roles, positions, NEAR):
+        source = "the data (the file's zero pose is none)"
+        if first_frame:
+            rest, positions = body.rotations[0], body.positions[0]
+            source = "the first frame"
+    tpose = tpose_rotations(body.parents, body.roles, rest, positions, typical_pose(body.frames(cut), fps))
+    # where the hips' forward points in the file when the hips are not turned
+    forward = quat.rotate(quat.multiply(up, quat.multiply(zero[0], quat.conjugate(tpose[0]))), FORWARD)
+    notes.found["T-pose"] = f"from {source}"
+    notes.found["hips forward"] = f"{_axis_name(forward)} of the unturned hips"
+    return tpose
+
+
+def _axis_name(direction: Array) -> str:
+    """ "+Z", or the vector where no axis is within a degree."""
+    axis = int(np.argmax(np.abs(direction)))
+    if abs(direction[axis]) > np.cos(np.radians(1.0)):
+        return ("+" if direction[axis] > 0 else "-") + "XYZ"[axis]
+    return "({:.2f}, {:.2f}, {:.2f})".format(*direction)
+
+
+def _on_floor(motion: Motion, notes: _Notes) -> Motion:
+    """The motion with its floor at Z = 0, and the T-pose standing as high above it as the feet do."""
+    height = floor_height(motion)
+    kept = is_floor(height)
+    what = "kept" if kept else f"moved {'up' if height < 0 else 'down'} to 0"
+    notes.found["floor"] = f"feet stand at {100 * height:.1f} cm, {what}"
+    skeleton = motion.skeleton
+    rotations = np.zeros((1, len(skeleton), 4))
+    rotations[..., 0] = 1.0
+    lowest = float(foot_bottoms(skeleton, skeleton.tpose_positions()[None], rotations).min())
+    offsets = skeleton.offsets.copy()
+    offsets[0, 2] = (height if kept else 0.0) - lowest
+    positions = motion.positions if kept else motion.positions - (0.0, 0.0, height)
+    return replace(motion, skeleton=replace(skeleton, offsets=offsets), positions=positions)
+
+
+def _check(motion: Motion, body: Body, notes: _Notes) -> None:
+    """Compare the motion with what people do."""
+    aside = checks.toes_aside(motion) if len(motion) > 1 else None
+    way, seconds = checks.walking_aside(motion)
+    walked = f"; walks {np.degrees(way):.0f} degrees off it for {seconds:.1f} s" if seconds > 1.0 else ""
+    if aside is not None:
+        notes.found["hips forward"] += f"; toes point {np.degrees(aside):.0f} degrees off it{walked}"
+        if abs(aside) > np.radians(60.0):
+            notes.doubts.append(
+                f"toes point {np.degrees(aside):.0f} degrees off the hips' forward: "
+                "left and right are swapped, or the file is mirrored"
+            )
+    parts = checks.heading_parts(motion)
+    if parts is not None and np.abs(parts).max() > checks.DRIFT:
+        listed = " ".join(f"{value:.0f}" for value in np.degrees(parts))
+        notes.doubts.append(
+            f"drift: the head's heading parts from the hips' by {listed} degrees over the take's {len(parts)} "
+            "parts; leave it out of orientation training"
+        )
+    jumps = checks.arm_jumps(motion)
+    if len(jumps):
+        notes.doubts.append(f"arms jump by more than 40 degrees in one frame, at {_frames(jumps)}")
+    jumps = checks.hips_jumps(motion)
+    if len(jumps):
+        notes.doubts.append(f"the hips jump at {_frames(jumps)}: dropped frames or a splice")
+
+
+def _frames(frames: NDArray[np.intp]) -> str:
+    shown = ", ".join(str(frame) for frame in frames[:5].tolist())
+    return (
+        f"frame {shown}"
+        if len(frames) == 1
+        else f"{len(frames)} frames ({shown}{', ...' * (len(frames) > 5)})"
+    )

@@ -1,12 +1,13 @@
-"""The canonical T-pose of any humanoid skeleton: which rotation every joint has when the body stands in T-pose.
+"""The canonical T-pose of any humanoid skeleton: the rotation of every joint when the body stands in T-pose.
 
-Where the skeleton's own zero or rest pose is near a T- or A-pose, that pose is taken and its limbs are straightened.
+Where the skeleton's own zero or rest pose is near a T- or A-pose, that pose is taken and its limbs straightened.
 Where it is not (every bone along one axis, legs pointing up), the pose that the data shows most is taken instead
-and straightened in the same way, which keeps the natural twist of the limbs: arms that hang are lifted sideways.
+and straightened likewise, which keeps the natural twist of the limbs: arms that hang are lifted sideways.
 """
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from typing import Any
 
@@ -26,6 +27,21 @@ NEAR = np.radians(60.0)
 """A bone farther than this from where it points in T-pose is not in T- or A-pose."""
 _BEND = np.radians(8.0)
 """A typical bend of elbow or knee below this does not tell the hinge's direction."""
+_SNAP = np.radians(30.0)
+"""Joint axes this near a right angle are taken to be at one."""
+_CUBE = quat.from_matrix(
+    np.array(
+        [
+            m
+            for order in itertools.permutations(range(3))
+            for signs in itertools.product((1.0, -1.0), repeat=3)
+            if np.linalg.det(m := np.eye(3)[list(order)] * signs) > 0.0
+        ]
+    )
+)
+"""The 24 rotations of a cube."""
+_LEAN = np.radians(25.0)
+"""A spine that slopes more than this in T-pose is not believed."""
 _HINGES = {"upper_arm": ("forearm", FORWARD), "thigh": ("shin", -FORWARD)}
 """Upper bone: the joint that bends, and where the bone after it goes when it bends in T-pose."""
 
@@ -53,6 +69,7 @@ def tpose_rotations(
     body = _Body(parents, roles, rest_rotations, rest_positions, typical)
     for j in range(1, len(parents)):
         body.place(j)
+    body.lean()
     return body.out
 
 
@@ -66,6 +83,25 @@ def direction(role: str) -> Array | None:
     if part in ("thigh", "shin"):
         return -UP
     return FORWARD if part == "foot" else None
+
+
+def looks_like_tpose(roles: tuple[str, ...], positions: Array, tolerance: float) -> bool:
+    """Whether joint positions `(J, 3)`, Z up, show a body in T-pose, facing anywhere.
+
+    Args:
+        roles: `(J,)`.
+        positions: of one frame, any unit.
+        tolerance: radians that trunk, arms and legs may be off.
+    """
+    place = {role: positions[j] for j, role in enumerate(roles) if role}
+    across = (place["thigh.R"] - place["thigh.L"]) * (1.0, 1.0, 0.0)
+    bones = [(place["head"] - place["hips"], UP)]
+    for side, lateral in zip(SIDES, (-across, across), strict=True):
+        bones += [(place[f"hand.{side}"] - place[f"forearm.{side}"], lateral)]
+        bones += [(place[f"forearm.{side}"] - place[f"upper_arm.{side}"], lateral)]
+        bones += [(place[f"foot.{side}"] - place[f"shin.{side}"], -UP)]
+        bones += [(place[f"shin.{side}"] - place[f"thigh.{side}"], -UP)]
+    return all(_angle(bone, goal) < tolerance for bone, goal in bones)
 
 
 def next_roles(role: str) -> tuple[str, ...]:
@@ -115,17 +151,42 @@ class _Body:
             return
         if self.typical is not None and self._is_far(j, part, _angle(quat.rotate(candidate, bone), goal)):
             self.doubtful.add(j)
-            candidate = self.typical[j] if part == "foot" else self._on_parent(j, self.typical)
-        elif part == "foot":
-            # the sole stays level where the legs are splayed
-            candidate = quat.multiply(self.out[0], _relative(self.rest, 0, j))
+            candidate = self._snapped(j, self.typical)
         if part == "foot":
-            candidate = _facing_forward(candidate, bone)
-        elif part in ("upper_arm", "forearm", "thigh", "shin"):
+            candidate = _facing_forward(self._level(j, candidate), bone)
+        elif part not in (*SPINE, "neck", "clavicle") or j in self.doubtful:
             candidate = quat.multiply(quat.between(quat.rotate(candidate, bone), goal), candidate)
-            if j in self.doubtful and part in _HINGES:
-                candidate = self._hinged(j, candidate, goal, part, side)
+        if part in _HINGES and self.doubtful & {j, int(self.parents[j])}:
+            candidate = self._hinged(j, candidate, goal, part, side)
         self.out[j] = candidate
+
+    def _snapped(self, j: int, pose: Array) -> Array:
+        """As `_on_parent`, by the right angles that joint axes differ by: takes of one skeleton agree."""
+        p = int(self.parents[j])
+        rest = _relative(self.rest, p, j)
+        turn = quat.multiply(quat.conjugate(rest), _relative(pose, p, j))
+        near = _CUBE[np.argmax(np.abs(_CUBE @ turn))]
+        return quat.multiply(self.out[p], quat.multiply(rest, near if _turn(near, turn) < _SNAP else turn))
+
+    def _level(self, j: int, candidate: Array) -> Array:
+        """A foot with its sole level: as planted in the data, as carried by the shin, or as in the rest pose."""
+        flat = quat.multiply(self.out[0], _relative(self.rest, 0, j))
+        if self.typical is None:
+            return flat
+        planted = self.typical[j]
+        if j in self.doubtful:
+            return planted
+        return candidate if _turn(candidate, planted) < _turn(flat, planted) else flat
+
+    def lean(self) -> None:
+        """Give a spine that only the data shows upright the data's slope: who stands, stands at zero."""
+        if self.typical is None or 0 not in self.doubtful:
+            return
+        for j, role in enumerate(self.roles):
+            if role in (*SPINE, "neck"):
+                forward = quat.rotate(quat.multiply(self.typical[j], quat.conjugate(self.out[j])), FORWARD)
+                pitch = np.clip(np.arctan2(forward[2], forward[1]), -_LEAN, _LEAN)
+                self.out[j] = quat.multiply(quat.from_axis("X", pitch), self.out[j])
 
     def _on_parent(self, j: int, pose: Array) -> Array:
         """Joint `j` turned against its parent as in `pose`, its parent in T-pose."""
@@ -143,33 +204,41 @@ class _Body:
         return candidate if _turn(other, candidate) < NEAR else other
 
     def _is_far(self, j: int, part: str, angle: float) -> bool:
-        """Whether a joint's rest pose tells nothing: its bone points elsewhere, or the trunk is never like that."""
+        """Whether the rest pose tells nothing: the bone points elsewhere, or the trunk is never like that."""
         if angle > NEAR or self.typical is None:
             return angle > NEAR
         trunk = part in (*SPINE, "neck", "clavicle")
         return trunk and _turn(self._on_parent(j, self.typical), self._on_parent(j, self.rest)) > NEAR
 
     def _hips(self) -> Array:
-        """Facing +Y with the thighs side by side; level as in the rest pose if that stands, else as in the data."""
+        """Facing +Y, thighs side by side; level as in the rest pose if that stands, else as in the data."""
         left, right = (self.positions[self.roles.index(f"thigh.{side}")] for side in SIDES)
-        bone = self._bone(0)
-        torso = UP if bone is None else quat.rotate(self.rest[0], bone)
-        up = UP if _angle(torso, UP) < NEAR else torso
         inverse = quat.conjugate(self.rest[0])
-        up_local = quat.rotate(inverse, up)
-        if up is torso and self.typical is not None:
+        across = quat.rotate(inverse, right - left)
+        if _angle(self._torso(), UP) < NEAR:
+            return _frame(across, quat.rotate(inverse, UP))
+        up = quat.rotate(inverse, self._torso())
+        if self.typical is not None:
             self.doubtful.add(0)
-            up_local = quat.rotate(quat.conjugate(self.typical[0]), UP)
-        return _frame(quat.rotate(inverse, right - left), up_local)
+            seen = quat.rotate(quat.conjugate(self.typical[0]), UP)
+            up = up if _angle(up, seen) < _SNAP else seen
+        return _frame(across, up)
+
+    def _torso(self) -> Array:
+        """Which way the trunk points in the rest pose: from its first joint to the neck or head."""
+        first = self._next(0)
+        end = self.roles.index("neck" if "neck" in self.roles else "head")
+        return self.positions[end] - self.positions[first if first != end else 0]
+
+    def _next(self, j: int) -> int:
+        """The joint at the end of this one's bone; the joint itself where nothing follows."""
+        following = (role for role in next_roles(self.roles[j]) if role in self.roles)
+        return next((self.roles.index(role) for role in following), j)
 
     def _bone(self, j: int) -> Array | None:
         """From a joint to the next one, in the joint's own axes; None where nothing follows."""
-        for role in next_roles(self.roles[j]):
-            if role in self.roles:
-                bone = self.positions[self.roles.index(role)] - self.positions[j]
-                if np.linalg.norm(bone) > 1e-9:
-                    return quat.rotate(quat.conjugate(self.rest[j]), bone)
-        return None
+        bone = self.positions[self._next(j)] - self.positions[j]
+        return quat.rotate(quat.conjugate(self.rest[j]), bone) if np.linalg.norm(bone) > 1e-9 else None
 
     def _hinged(self, j: int, candidate: Array, axis: Array, part: str, side: str) -> Array:
         """Turned about its bone so that the elbow's or knee's typical bend goes where joints bend."""

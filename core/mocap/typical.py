@@ -15,7 +15,8 @@ Array = NDArray[np.floating[Any]]
 
 _FRAMES = 1000
 """Frames looked at, spread over the take."""
-_UPRIGHT = np.cos(np.radians(35.0))
+_UPRIGHT = 0.06
+"""Frames count as upright whose trunk is no more than this (1 - cosine) off the take's most upright ones."""
 _PLANTED = 0.25
 """m/s: a foot slower than this stands."""
 
@@ -23,17 +24,17 @@ _PLANTED = 0.25
 def typical_pose(body: Body, fps: float) -> Array | None:
     """Global rotations `(J, 4)` of the body's mean pose while upright, facing +Y; None for a single frame.
 
-    Each joint has its mean rotation against its parent (chordal mean, Markley et al. 2007), the hips their mean tilt.
-    Feet have their mean tilt while planted, pointing forward, and toes their mean against such feet.
+    Each joint has its mean rotation against its parent (chordal mean, Markley et al. 2007), the hips their mean
+    tilt. Feet have their mean tilt while planted, pointing forward, and toes their mean against such feet.
     """
-    count = len(body.hips)
+    positions = body.positions
+    count = len(positions)
     if count < 2:
         return None
-    positions = body.positions()
     frames = np.unique(np.linspace(0, count - 1, min(count, _FRAMES)).astype(np.intp))
     torso = positions[frames, body.joint("head")] - positions[frames, 0]
-    upright = torso[:, 2] > _UPRIGHT * np.linalg.norm(torso, axis=-1)
-    frames = frames[upright] if upright.any() else frames
+    tilt = 1.0 - torso[:, 2] / np.linalg.norm(torso, axis=-1)
+    frames = frames[tilt <= np.quantile(tilt, 0.1) + _UPRIGHT]
     right = positions[frames, body.joint("thigh.R")] - positions[frames, body.joint("thigh.L")]
     yaw = np.arctan2(right[:, 1], right[:, 0])
     out = np.empty((len(body.names), 4))

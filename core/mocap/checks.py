@@ -1,0 +1,88 @@
+"""What is doubtful about a motion: drift, jumps, facing. Heuristics on degrees of everyday movement."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..maths import angles, kinematics, quat
+from .skeleton import ARM, SIDES, Motion
+
+Array = NDArray[np.floating[Any]]
+
+DRIFT = np.radians(35.0)
+"""Head and hips of a person do not part by more than this on average over many seconds."""
+_DRIFT_PART_S = 8.0
+_DRIFT_PARTS = 6
+ARM_JUMP = np.radians(40.0)
+"""An arm joint does not turn by this from one frame to the next."""
+_HIPS_JUMP = 0.06
+"""Metres that hips may be thrown between two frames, beyond what they did before and after."""
+
+
+def heading_parts(motion: Motion) -> Array | None:
+    """Median yaw in radians of the head against the hips, for each sixth (fewer if short) of the motion.
+
+    None for motions shorter than 32 s, in which looking aside is no drift.
+    """
+    count = min(_DRIFT_PARTS, int(len(motion) / motion.fps / _DRIFT_PART_S))
+    if count < 4:
+        return None
+    _, rotations = motion.forward()
+    head = rotations[:, motion.skeleton.joint("head")]
+    aside = angles.wrap(quat.heading(head) - quat.heading(rotations[:, 0]))
+    return np.array([_circular_median(part) for part in np.array_split(aside, count)])
+
+
+def arm_jumps(motion: Motion) -> NDArray[np.intp]:
+    """Frames at which an arm joint's local rotation has turned by more than 40 degrees since the frame before."""
+    skeleton = motion.skeleton
+    roles = [f"{part}.{side}" for side in SIDES for part in ARM if f"{part}.{side}" in skeleton.roles]
+    arms = motion.rotations[:, [skeleton.joint(role) for role in roles]]
+    cosine = np.abs(np.sum(arms[1:] * arms[:-1], axis=-1))
+    return np.flatnonzero((cosine < np.cos(0.5 * ARM_JUMP)).any(axis=1)) + 1
+
+
+def hips_jumps(motion: Motion) -> NDArray[np.intp]:
+    """Frames to which the hips jump: dropped frames, splices, solver flips."""
+    step = np.linalg.norm(np.diff(motion.positions, axis=0), axis=-1)
+    if len(step) < 3:
+        return np.zeros(0, dtype=np.intp)
+    around = np.maximum(np.append(step[1:], 0.0), np.insert(step[:-1], 0, 0.0))
+    return np.flatnonzero(step > 2.0 * around + _HIPS_JUMP) + 1
+
+
+def toes_aside(motion: Motion) -> float | None:
+    """Mean yaw in radians of the toes against the hips while the feet rest, both feet; None without toes."""
+    skeleton = motion.skeleton
+    if any(skeleton.find(f"toe.{side}") < 0 for side in SIDES):
+        return None
+    positions, rotations = motion.forward()
+    hips = quat.heading(rotations[:, 0])
+    total = 0j
+    for side in SIDES:
+        toe = positions[:, skeleton.joint(f"toe.{side}")]
+        speed = np.linalg.norm(kinematics.velocity(toe, motion.fps), axis=-1)
+        rests = speed <= np.quantile(speed, 0.3)
+        points = angles.yaw_of(toe - positions[:, skeleton.joint(f"foot.{side}")])
+        total += np.exp(1j * (points - hips)[rests]).mean()
+    return float(np.angle(total))
+
+
+def walking_aside(motion: Motion) -> tuple[float, float]:
+    """Mean yaw in radians of the way walked against the hips, and seconds of walking (above 0.5 m/s)."""
+    half = max(int(0.25 * motion.fps), 1)
+    if len(motion) <= 2 * half:
+        return 0.0, 0.0
+    velocity = (motion.positions[2 * half :] - motion.positions[: -2 * half]) * (motion.fps / (2 * half))
+    walks = np.linalg.norm(velocity[:, :2], axis=-1) > 0.5
+    aside = angles.yaw_of(velocity) - quat.heading(motion.rotations[half:-half, 0])
+    mean = np.exp(1j * aside[walks]).sum()
+    return float(np.angle(mean)), float(walks.sum() / motion.fps)
+
+
+def _circular_median(values: Array) -> float:
+    centre = np.angle(np.exp(1j * values).mean())
+    return float(angles.wrap(centre + np.median(angles.wrap(values - centre))))
