@@ -1,0 +1,116 @@
+"""How far predicted body yaws are from the truth (paper, section 6.4)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core.database.virtual_root import virtual_root
+from ..core.maths import angles
+from ..core.mocap.skeleton import Take
+from ..core.recording.body import joint_targets
+from ..core.recording.recording import Recording
+from ..core.recording.simulate import simulate_recording
+from .inputs import headings
+from .predictor import hmd_forward, predict_yaw
+from .weights import Predictor
+
+Array = NDArray[np.floating[Any]]
+
+HMD_FORWARD = "hmd-forward"
+HEURISTIC = "hands-and-head"
+
+
+def hands_and_head(recording: Recording) -> Array:
+    """A guess without training, yaw `(T,)` in radians: half the headset's forward, half square to the line
+    of the hands.
+
+    The line counts by its length, up to shoulder width, and only while the hands are on their own sides of
+    the view.
+    """
+    positions, rotations = joint_targets(recording)
+    head = angles.direction(headings(rotations))
+    line = (positions[:, 2] - positions[:, 1])[:, :2]
+    ahead = np.stack([-line[:, 1], line[:, 0]], axis=-1) / np.maximum(
+        np.linalg.norm(line, axis=-1, keepdims=True), 0.4
+    )
+    agrees = np.sum(ahead * head, axis=-1, keepdims=True) > 0.0
+    return np.unwrap(angles.yaw_of(head + np.where(agrees, ahead, 0.0)))
+
+
+def yaw_errors(yaws: Array, truth: Array) -> Array:
+    """Absolute angles `(T,)` in degrees between two series of yaws in radians."""
+    return np.degrees(np.abs(angles.wrap(yaws - truth)))
+
+
+def summary(errors: Array, fps: float) -> dict[str, Any]:
+    """Mean, deviation, 95th percentile, and the mean of each minute, of errors in degrees."""
+    minute = max(1, round(60.0 * fps))
+    return {
+        **_pooled(errors),
+        "per_minute": [float(np.mean(errors[i : i + minute])) for i in range(0, len(errors), minute)],
+    }
+
+
+def _pooled(errors: Array) -> dict[str, float]:
+    return {
+        "mean": float(np.mean(errors)),
+        "std": float(np.std(errors)),
+        "p95": float(np.percentile(errors, 95.0)),
+    }
+
+
+def evaluate_predictors(takes: Sequence[Take], predictors: Mapping[str, Predictor]) -> dict[str, Any]:
+    """Errors of each predictor on trackers simulated from takes, beside the headset's forward and a
+    heuristic.
+
+    Args:
+        takes: each is the user once; a second of any take weighs the same.
+        predictors: by name.
+
+    Returns:
+        `{"predictors": {name: {"mean", "std", "p95", "causal"}},
+        "takes": [{"take", "seconds", "predictors": {name: {"mean", "std", "p95", "per_minute"}}}]}`,
+        degrees, ready for JSON.
+    """
+    ways: dict[str, Callable[[Recording], Array]] = {HMD_FORWARD: hmd_forward, HEURISTIC: hands_and_head}
+    for name, predictor in predictors.items():
+        ways[name] = lambda recording, chosen=predictor: predict_yaw(chosen, recording)
+    pooled: dict[str, list[Array]] = {name: [] for name in ways}
+    table: list[dict[str, Any]] = []
+    for take in takes:
+        motion = take.motion
+        recording = simulate_recording(motion, take.name)
+        _, truth = virtual_root(motion)
+        row: dict[str, Any] = {}
+        for name, way in ways.items():
+            errors = yaw_errors(way(recording), truth)
+            row[name] = summary(errors, motion.fps)
+            # every take at the same rate, so that a fast camera does not count double
+            seconds = np.arange(0.0, len(errors), motion.fps / 30.0).astype(np.intp)
+            pooled[name].append(errors[seconds])
+        table.append({"take": take.name, "seconds": len(motion) / motion.fps, "predictors": row})
+    causal = {name: predictor.causal for name, predictor in predictors.items()}
+    overall = {
+        name: {**_pooled(np.concatenate(errors)), "causal": causal.get(name, True)}
+        for name, errors in pooled.items()
+    }
+    return {"predictors": overall, "takes": table}
+
+
+def errors_in_words(report: Mapping[str, Any]) -> str:
+    """The report of `evaluate_predictors` as a table for people."""
+    lines = [f"{'degrees':24} {'mean':>7} {'std':>7} {'p95':>7}  sees"]
+    for name, row in report["predictors"].items():
+        sees = "past" if row["causal"] else "past and future"
+        lines.append(f"{name:24} {row['mean']:7.2f} {row['std']:7.2f} {row['p95']:7.2f}  {sees}")
+    names = list(report["predictors"])
+    lines.append("")
+    lines.append(f"{'mean by take':40} " + " ".join(f"{name[:14]:>14}" for name in names))
+    for take in report["takes"]:
+        means = " ".join(f"{take['predictors'][name]['mean']:14.2f}" for name in names)
+        lines.append(f"{take['take'][:40]:40} {means}")
+    return "\n".join(lines)

@@ -1,0 +1,42 @@
+"""Feed-forward networks with real ReLUs between their layers, run in numpy."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.floating[Any]]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Network:
+    """A multilayer perceptron."""
+
+    weights: tuple[Array, ...]
+    """Per layer `(inputs, outputs)`, float32."""
+    biases: tuple[Array, ...]
+    """Per layer `(outputs,)`, float32."""
+
+    @property
+    def sizes(self) -> tuple[int, ...]:
+        """Width of the input, of each hidden layer and of the output."""
+        return (len(self.weights[0]), *(len(bias) for bias in self.biases))
+
+    @property
+    def parameters(self) -> int:
+        """How many numbers training has to find."""
+        return sum(w.size + b.size for w, b in zip(self.weights, self.biases, strict=True))
+
+    def forward(self, x: Array) -> Array:
+        """Outputs `(..., sizes[-1])` of inputs `(..., sizes[0])`, float32 as they come."""
+        return self.finish(x @ self.weights[0] + self.biases[0])
+
+    def finish(self, first: Array) -> Array:
+        """Outputs from the first layer's sums `(..., sizes[1])`, for callers that compute those piecewise."""
+        x = first
+        for weight, bias in zip(self.weights[1:], self.biases[1:], strict=True):
+            x = np.maximum(x, 0.0) @ weight + bias
+        return x

@@ -1,0 +1,169 @@
+"""Where the body faces, from a recording: the headset's forward, or what a trained predictor makes of it."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core.maths import angles, filters
+from ..core.recording.body import joint_targets
+from ..core.recording.recording import Recording
+from ..core.recording.resample import resample
+from .inputs import (
+    RATE,
+    TRACKED,
+    headings,
+    sixd_to_yaw,
+    tracker_inputs,
+    turn_sixd,
+    yaw_to_sixd,
+)
+from .weights import Predictor, read_predictor
+from .windows import Layout, stream, take_windows, window_inputs
+
+Array = NDArray[np.floating[Any]]
+
+SHIPPED = {"look-ahead": "look-ahead", "causal": "causal", "paper": "paper"}
+"""Predictors that come with Footwork, by kind: the one that sees the future, the causal one, the paper's
+network."""
+_FOLDER = Path(__file__).parent / "weights"
+_CHUNK = 2048
+"""Windows worked on at once: bounds memory on recordings of hours."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Orientation:
+    """Where the body faces and how sure that is."""
+
+    yaws: Array
+    """`(T,)` world yaw in radians, continuous over time."""
+    doubt: Array
+    """`(T,)` radians: the deviation that the predictor itself expects of its answer."""
+
+
+def load_predictor(path: str | os.PathLike[str]) -> Predictor:
+    """Read a predictor's `.npz`; InputError with one line on any fault of the file."""
+    return read_predictor(path)
+
+
+def shipped_predictor(kind: str = "look-ahead") -> Predictor:
+    """A predictor that comes with Footwork: "look-ahead" (for bakes), "causal" or "paper"."""
+    return read_predictor(_FOLDER / f"{SHIPPED[kind]}.npz")
+
+
+def hmd_forward(recording: Recording) -> Array:
+    """The yaw `(T,)` in radians of the headset's forward projected on the ground, continuous over time."""
+    _, rotations = joint_targets(recording)
+    return np.unwrap(headings(rotations))
+
+
+def head_height(recording: Recording) -> float:
+    """Height of the head joint when the wearer stands upright, metres."""
+    return recording.eye_height - float(recording.mounts.offsets[0, 2])
+
+
+def predict_yaw(predictor: Predictor, recording: Recording) -> Array:
+    """The body's world yaw `(T,)` in radians at the frames of an evenly spaced recording, continuous over
+    time."""
+    return predict(predictor, recording).yaws
+
+
+def predict(predictor: Predictor, recording: Recording) -> Orientation:
+    """The body's yaw at the frames of an evenly spaced recording, and the predictor's own doubt."""
+    if predictor.layout is None:
+        return _predict_recurrent(predictor, recording)
+    positions, rotations = joint_targets(recording)
+    rows = stream(positions, rotations, recording.valid, head_height(recording))
+    return run_windows(predictor, predictor.layout, rows, recording.fps)
+
+
+def _predict_recurrent(predictor: Predictor, recording: Recording) -> Orientation:
+    even = resample(recording, RATE)
+    positions, rotations = joint_targets(even)
+    yaws = np.interp(recording.times, even.times, run_recurrent(predictor, positions, rotations))
+    # this network has no notion of its certainty: its error on held-out takes stands for it
+    expected = float(predictor.provenance.get("held_out_error_deg", 15.0))
+    return Orientation(yaws, np.full(len(yaws), np.radians(expected)))
+
+
+def run_recurrent(
+    predictor: Predictor, positions: Array, rotations: Array, start: float | None = None
+) -> Array:
+    """The paper's loop at `RATE`: each answer is re-expressed in the next frame's axes and fed back.
+
+    Args:
+        predictor: with the paper's 42 inputs.
+        positions: `(T, 3, 3)` world positions of head, left and right hand, metres.
+        rotations: `(T, 3, 4)` their world rotations since T-pose.
+        start: world yaw in radians to begin with; the headset's forward where None.
+
+    Returns:
+        `(T,)` world yaws in radians, continuous over time.
+    """
+    network, scaler = predictor.networks[0], predictor.scaler
+    head = headings(rotations)
+    tracked = (tracker_inputs(positions, rotations, RATE) - scaler.mean[:TRACKED]) / scaler.deviation[
+        :TRACKED
+    ]
+    weight = network.weights[0]
+    first = tracked.astype(np.float32) @ weight[:TRACKED] + network.biases[0]
+    mean = scaler.mean[TRACKED:].astype(np.float32)
+    deviation = scaler.deviation[TRACKED:].astype(np.float32)
+    steps = np.diff(head, prepend=head[0])
+    answers = np.empty((len(head), 6), dtype=np.float32)
+    answer = yaw_to_sixd(0.0 if start is None else start - head[0]).astype(np.float32)
+    for t in range(len(head)):
+        previous = turn_sixd(answer, -steps[t])
+        answer = network.finish(first[t] + ((previous - mean) / deviation) @ weight[TRACKED:])
+        answer = answer * deviation + mean
+        answers[t] = answer
+    return np.unwrap(head + sixd_to_yaw(answers.astype(np.float64)))
+
+
+def run_windows(predictor: Predictor, layout: Layout, rows: NDArray[np.float32], fps: float) -> Orientation:
+    """A window network's answers for every frame of a stream `(T, 31)` (see `windows.stream`).
+
+    Each answer is a vector: its direction the yaw, its length, at most about 1, the certainty. Networks vote
+    by their sum, and smoothing in world space lets certain moments carry doubtful ones.
+    """
+    frames = len(rows)
+    head = angles.yaw_of(rows[:, 27:29].astype(np.float64))
+    vectors = np.empty((frames, 2))
+    for low in range(0, frames, _CHUNK):
+        high = min(low + _CHUNK, frames)
+        windows = take_windows(rows, np.arange(low, high) / fps, fps, layout)
+        vectors[low:high] = answer_windows(predictor, layout, windows, head[low:high])
+    vectors = angles.turn(vectors, head)
+    if predictor.causal:
+        vectors = _lagging(vectors, predictor.smoothing * fps)
+    else:
+        vectors = filters.gaussian(vectors, predictor.smoothing * fps)
+    certainty = np.clip(np.linalg.norm(vectors, axis=-1), 0.05, 0.999)
+    # deviation of a wrapped normal distribution whose mean vector has this length
+    return Orientation(np.unwrap(angles.yaw_of(vectors)), np.sqrt(-2.0 * np.log(certainty)))
+
+
+def answer_windows(
+    predictor: Predictor, layout: Layout, windows: NDArray[np.float32], frame_yaws: Array
+) -> Array:
+    """The mean answer `(N, 2)`, ground vectors in axes turned to `frame_yaws`, of the predictor's
+    networks."""
+    inputs = window_inputs(windows, frame_yaws, layout)
+    inputs = predictor.scaler.apply(inputs).astype(np.float32)
+    return np.mean([network.forward(inputs) for network in predictor.networks], axis=0)
+
+
+def _lagging(vectors: Array, frames: float) -> Array:
+    """Exponential smoothing over `frames` that starts settled."""
+    if frames <= 0.0:
+        return vectors
+    keep = np.exp(-1.0 / frames)
+    out = np.array(vectors)
+    for t in range(1, len(out)):
+        out[t] = keep * out[t - 1] + (1.0 - keep) * vectors[t]
+    return out

@@ -1,0 +1,54 @@
+"""Takes as training and evaluation material: what the trackers see, and where the body truly faces."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core.database.virtual_root import virtual_root
+from ..core.mocap.edit import cut, resample
+from ..core.mocap.skeleton import Take
+from ..core.recording.body import joint_targets
+from ..core.recording.simulate import simulate_recording
+from .curation import curate
+from .inputs import RATE
+from .predictor import head_height
+
+Array = NDArray[np.floating[Any]]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sample:
+    """One stretch of a take at `RATE`."""
+
+    take: str
+    positions: Array
+    """`(T, 3, 3)` world positions of head, left and right hand, metres."""
+    rotations: Array
+    """`(T, 3, 4)` their world rotations since T-pose."""
+    yaws: Array
+    """`(T,)` the body's true yaw, radians."""
+    head_height: float
+
+    def __len__(self) -> int:
+        return len(self.yaws)
+
+
+def samples_of(takes: Sequence[Take]) -> tuple[list[Sample], list[str]]:
+    """The fit stretches of takes, and a line for each thing left out."""
+    samples: list[Sample] = []
+    notes: list[str] = []
+    for take in takes:
+        curated = curate(take)
+        notes += curated.notes
+        for start, stop in curated.stretches:
+            motion = resample(cut(take.motion, start, stop), RATE)
+            recording = simulate_recording(motion, take.name)
+            positions, rotations = joint_targets(recording)
+            _, yaws = virtual_root(motion)
+            samples.append(Sample(take.name, positions, rotations, yaws, head_height(recording)))
+    return samples, notes

@@ -1,0 +1,118 @@
+"""Training of window networks in torch: many altered windows of the takes, each with its true body
+direction."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import torch
+
+from ..core.maths import angles
+from .augment import Augmentation, augment
+from .inputs import RATE, Scaler, group_scaler
+from .network import Network
+from .samples import Sample
+from .train_torch import build_mlp, from_torch, load_weights
+from .weights import Predictor
+from .windows import FACING, Layout, mirror_inputs, stream, window_inputs
+
+HIDDEN = (128, 128)
+SMOOTHING = 0.1
+AUGMENTATION = Augmentation()
+
+
+class WindowLearner:
+    """Fits one network; `step` is one batch, `predictor` what has been learnt so far."""
+
+    def __init__(
+        self,
+        samples: Sequence[Sample],
+        layout: Layout,
+        *,
+        batch: int,
+        learning_rate: float,
+        decay: float,
+        steps: int,
+        seed: int,
+        hidden: Sequence[int] = HIDDEN,
+        smoothing: float = SMOOTHING,
+        augmentation: Augmentation = AUGMENTATION,
+        dropout: float = 0.0,
+        start: Predictor | None = None,
+        scaler: Scaler | None = None,
+        weights: Sequence[float] | None = None,
+    ) -> None:
+        torch.manual_seed(seed)
+        self.rng = np.random.default_rng(seed)
+        self.layout, self.batch, self.steps, self.smoothing = layout, batch, steps, smoothing
+        self.augmentation = augmentation
+        valid = [np.ones((len(sample), 3), dtype=bool) for sample in samples]
+        rows = [
+            stream(s.positions, s.rotations, v, s.head_height) for s, v in zip(samples, valid, strict=True)
+        ]
+        lengths = np.array([len(sample) for sample in samples])
+        ends = np.cumsum(lengths)
+        self.rows = np.concatenate(rows)
+        self.yaws = np.concatenate([sample.yaws for sample in samples])
+        self.first = np.repeat(ends - lengths, lengths)
+        self.last = np.repeat(ends - 1, lengths)
+        self.chance = None
+        if weights is not None:
+            per_frame = np.repeat(np.asarray(weights, dtype=np.float64), lengths)
+            self.chance = np.cumsum(per_frame / per_frame.sum())
+        self.scaler = start.scaler if start is not None else scaler or self._scaler()
+        self.model = build_mlp(layout.inputs, hidden, 2, dropout)
+        if start is not None:
+            load_weights(self.model, start.networks[0])
+        self.optimiser = torch.optim.AdamW(self.model.parameters(), lr=learning_rate, weight_decay=decay)
+        self.schedule = torch.optim.lr_scheduler.LambdaLR(
+            self.optimiser,
+            lambda n: min(1.0, (n + 1) / 200) * 0.5 * (1.0 + math.cos(math.pi * min(1.0, n / steps))),
+        )
+
+    def _scaler(self) -> Scaler:
+        """Measured on altered windows, which are what the network will see."""
+        inputs, _ = self._draw(4096)
+        return group_scaler(inputs.astype(np.float64), self.layout.groups)
+
+    def _draw(self, count: int) -> tuple[np.ndarray, np.ndarray]:
+        """Input vectors `(2 count, D)` before scaling and true ground directions `(2 count, 2)` in their
+        axes."""
+        if self.chance is None:
+            frames = self.rng.integers(0, len(self.rows), count)
+        else:
+            frames = np.minimum(np.searchsorted(self.chance, self.rng.random(count)), len(self.rows) - 1)
+        speed = np.exp(self.rng.uniform(-1.0, 1.0, (count, 1)) * np.log1p(self.augmentation.stretch))
+        places = np.round(frames[:, None] + self.layout.offsets * speed * RATE).astype(np.intp)
+        # a window ends where its take does
+        places = np.clip(places, self.first[frames][:, None], self.last[frames][:, None])
+        windows = augment(self.rows[places], self.layout.offsets, self.augmentation, self.rng)
+        head = angles.yaw_of(windows[:, self.layout.centre, FACING].astype(np.float64))
+        inputs = window_inputs(windows, head, self.layout)
+        truth = angles.direction(self.yaws[frames] - head)
+        mirrored = mirror_inputs(inputs, self.layout)
+        return np.concatenate([inputs, mirrored]), np.concatenate([truth, truth * [-1.0, 1.0]])
+
+    def step(self) -> float:
+        """One optimisation step; returns the batch's loss: mean distance between answered and true
+        direction."""
+        inputs, truth = self._draw(self.batch // 2)
+        x = torch.from_numpy(self.scaler.apply(inputs).astype(np.float32))
+        y = torch.from_numpy(truth.astype(np.float32))
+        self.model.train()
+        self.optimiser.zero_grad(set_to_none=True)
+        loss = torch.sqrt(((self.model(x) - y) ** 2).sum(dim=1) + 1e-4).mean()
+        loss.backward()
+        self.optimiser.step()
+        self.schedule.step()
+        return float(loss.detach())
+
+    def network(self) -> Network:
+        """The network as it is now, for numpy."""
+        return from_torch(self.model)
+
+    def predictor(self) -> Predictor:
+        """What has been learnt so far."""
+        return Predictor("", (self.network(),), self.scaler, self.layout, self.smoothing, {})

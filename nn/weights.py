@@ -1,0 +1,200 @@
+"""Trained predictors and the `.npz` files that hold them."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import os
+import zipfile
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core.errors import InputError
+from ..core.files import write_atomically
+from .inputs import INPUTS, Scaler
+from .network import Network
+from .windows import Layout
+
+Array = NDArray[np.floating[Any]]
+
+FORMAT = "footwork-predictor"
+SCHEMA = 1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Predictor:
+    """A trained network, or several that vote, with all it takes to run them."""
+
+    name: str
+    networks: tuple[Network, ...]
+    scaler: Scaler
+    layout: Layout | None
+    """The window around each moment; None for the paper's network, which feeds on its own last answer."""
+    smoothing: float
+    """Seconds: deviation of the bell that smooths answers without lag, or time constant of the causal
+    filter."""
+    provenance: Mapping[str, Any]
+    """JSON-ready: takes with SHA-256 and licence, seed, iterations, losses, errors."""
+
+    @property
+    def kind(self) -> str:
+        """ "recurrent" (the paper's) or "window"."""
+        return "recurrent" if self.layout is None else "window"
+
+    @property
+    def causal(self) -> bool:
+        """Whether an answer needs nothing of the future."""
+        return self.layout is None or self.layout.causal
+
+    @property
+    def parameters(self) -> int:
+        """How many trained numbers there are."""
+        return sum(network.parameters for network in self.networks)
+
+
+def save_predictor(path: str | os.PathLike[str], predictor: Predictor) -> None:
+    """Write a predictor as `.npz`, whole or not at all; InputError where it cannot be written."""
+    arrays: dict[str, Any] = {"mean": predictor.scaler.mean, "deviation": predictor.scaler.deviation}
+    for n, network in enumerate(predictor.networks):
+        for layer, (weight, bias) in enumerate(zip(network.weights, network.biases, strict=True)):
+            arrays[f"weight_{n}_{layer}"], arrays[f"bias_{n}_{layer}"] = weight, bias
+    layout = predictor.layout
+    if layout is not None:
+        arrays["offsets"] = layout.offsets
+    header = {
+        "format": FORMAT,
+        "schema": SCHEMA,
+        "name": predictor.name,
+        "kind": predictor.kind,
+        "causal": predictor.causal,
+        "rotations_every": 0 if layout is None else layout.rotations_every,
+        "sizes": [list(network.sizes) for network in predictor.networks],
+        "smoothing": predictor.smoothing,
+        "provenance": dict(predictor.provenance),
+    }
+    text = np.frombuffer(json.dumps(header, sort_keys=True).encode(), dtype=np.uint8)
+    write_atomically(path, lambda file: np.savez_compressed(file, header=text, **arrays))
+
+
+def read_predictor(path: str | os.PathLike[str]) -> Predictor:
+    """Read a predictor written by `save_predictor`.
+
+    Raises:
+        InputError: the file is missing, no predictor, of a newer schema, or damaged; one line says which.
+    """
+    try:
+        with Path(path).open("rb") as file, np.lib.npyio.NpzFile(file, allow_pickle=False) as found:
+            arrays = {key: found[key] for key in found.files}
+    except OSError as error:
+        raise InputError(
+            f"{path}: cannot be read ({error.strerror or error}); check its name and rights"
+        ) from error
+    except (
+        ValueError,
+        EOFError,
+        KeyError,
+        NotImplementedError,
+        MemoryError,
+        zlib.error,
+        zipfile.BadZipFile,
+    ) as error:
+        raise InputError(f"{path}: is no complete predictor file; train or copy it again") from error
+    return _from_arrays(arrays, f"{path}")
+
+
+def _from_arrays(arrays: Mapping[str, NDArray[Any]], path: str) -> Predictor:
+    header = _header(arrays, path)
+    recurrent = header["kind"] == "recurrent"
+    layout = None if recurrent else _layout(arrays, header, path)
+    inputs, outputs = (INPUTS, 6) if layout is None else (layout.inputs, 2)
+    networks: list[Network] = []
+    for n, sizes in enumerate(header["sizes"]):
+        if sizes[0] != inputs or sizes[-1] != outputs:
+            raise _damaged(
+                path, f"network {n} maps {sizes[0]} to {sizes[-1]} numbers, not {inputs} to {outputs}"
+            )
+        pairs = list(itertools.pairwise(sizes))
+        weights = [_array(arrays, f"weight_{n}_{k}", shape, path) for k, shape in enumerate(pairs)]
+        biases = [_array(arrays, f"bias_{n}_{k}", shape[1:], path) for k, shape in enumerate(pairs)]
+        networks.append(
+            Network(tuple(w.astype(np.float32) for w in weights), tuple(b.astype(np.float32) for b in biases))
+        )
+    mean, deviation = (_array(arrays, key, (inputs,), path) for key in ("mean", "deviation"))
+    if np.any(deviation <= 0.0):
+        raise _damaged(path, "a deviation of its scaler is not above zero")
+    return Predictor(
+        name=Path(path).stem,
+        networks=tuple(networks),
+        scaler=Scaler(mean, deviation),
+        layout=layout,
+        smoothing=float(header["smoothing"]),
+        provenance=header["provenance"],
+    )
+
+
+def _header(arrays: Mapping[str, NDArray[Any]], path: str) -> dict[str, Any]:
+    """The checked description; what it lacks or has of the wrong type is told apart from a foreign file."""
+    try:
+        header: Any = json.loads(arrays["header"].tobytes())
+        ours = header["format"] == FORMAT
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError(f"{path}: is no Footwork predictor; train one with train-predictor") from error
+    if not ours:
+        raise InputError(f"{path}: is no Footwork predictor; train one with train-predictor")
+    schema = header.get("schema")
+    if not isinstance(schema, int) or schema < 1:
+        raise _damaged(path, "its schema number is missing")
+    if schema > SCHEMA:
+        raise InputError(f"{path}: has schema {schema}, newer than {SCHEMA}; update Footwork to use it")
+    fine = (
+        header.get("kind") in ("recurrent", "window")
+        and isinstance(header.get("rotations_every"), int)
+        and isinstance(header.get("smoothing"), (int, float))
+        and 0.0 <= header["smoothing"] < 10.0
+        and isinstance(header.get("provenance"), dict)
+        and _are_sizes(header.get("sizes"))
+    )
+    if not fine:
+        raise _damaged(path, "its description is incomplete")
+    return header
+
+
+def _are_sizes(sizes: Any) -> bool:
+    """Whether these are the layer widths of one network or more."""
+    try:
+        return bool(sizes) and all(
+            len(widths) >= 2 and all(isinstance(width, int) and 0 < width < 100_000 for width in widths)
+            for widths in sizes
+        )
+    except TypeError:
+        return False
+
+
+def _layout(arrays: Mapping[str, NDArray[Any]], header: Mapping[str, Any], path: str) -> Layout:
+    offsets = arrays.get("offsets")
+    if offsets is None or offsets.ndim != 1 or not 0 < len(offsets) < 1000 or offsets.dtype.kind != "f":
+        raise _damaged(path, "its window is missing")
+    if not np.all(np.diff(offsets) > 0.0) or np.min(np.abs(offsets)) > 1e-9 or np.max(np.abs(offsets)) > 60.0:
+        raise _damaged(path, "its window does not run through the moment itself")
+    if header["rotations_every"] < 1:
+        raise _damaged(path, "its description is incomplete")
+    return Layout(offsets.astype(np.float64), header["rotations_every"])
+
+
+def _array(arrays: Mapping[str, NDArray[Any]], key: str, shape: tuple[int, ...], path: str) -> Array:
+    array = arrays.get(key)
+    if array is None or array.shape != tuple(shape) or array.dtype.kind != "f":
+        raise _damaged(path, f"{key} is missing or not of shape {tuple(shape)}")
+    if not np.all(np.isfinite(array)):
+        raise _damaged(path, f"{key} holds numbers that are not finite")
+    return array
+
+
+def _damaged(path: str, what: str) -> InputError:
+    return InputError(f"{path}: is damaged, {what}; train or copy it again")
