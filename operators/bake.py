@@ -83,7 +83,7 @@ class FOOTWORK_OT_bake(JobOperator, bpy.types.Operator):
         footwork, unit = scene.footwork, metres_per_unit(scene)
         if self._rig is None:
             collection = context.collection if context.scene == scene else scene.collection
-            rig = armature.create_armature(result.rig, result.rig.name, collection, unit)
+            rig = armature.create_armature(result.rig, "Avatar", collection, unit)
             footwork.rig = rig
         else:
             rig = find_object(self._rig)

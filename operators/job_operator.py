@@ -19,6 +19,7 @@ REDRAW_S = 0.1
 class Running:
     """What the panels show of the job in progress."""
 
+    operator: str
     title: str
     fraction: float = 0.0
     message: str = ""
@@ -83,7 +84,7 @@ class JobOperator:
         except InputError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        running = Running(self.title)
+        running = Running(type(self).bl_idname, self.title)
         self._drawn = 0.0
         self._timer = context.window_manager.event_timer_add(0.01, window=context.window)
         context.window_manager.progress_begin(0, 100)

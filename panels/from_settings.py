@@ -30,7 +30,8 @@ def property_of(item: Field[Any]) -> Any:
     }
     if isinstance(default, int):
         return IntProperty(**shared, **bounds)
-    return FloatProperty(**shared, **bounds, **UNITS.get(meta["unit"], {}), step=1, precision=3)
+    precision = 3 if meta["unit"] in UNITS else 2
+    return FloatProperty(**shared, **bounds, **UNITS.get(meta["unit"], {}), step=1, precision=precision)
 
 
 def property_group(name: str, settings: type) -> type[bpy.types.PropertyGroup]:

@@ -2,7 +2,7 @@
 
 import bpy
 
-STATE_ICONS = {"NEW": "QUESTION", "OK": "CHECKMARK", "DOUBT": "ERROR", "FAULT": "CANCEL"}
+STATE_ICONS = {"NEW": "QUESTION", "OK": "NONE", "DOUBT": "ERROR", "FAULT": "CANCEL"}
 
 
 class FOOTWORK_UL_takes(bpy.types.UIList):
@@ -15,12 +15,11 @@ class FOOTWORK_UL_takes(bpy.types.UIList):
         row.prop(item, "use", text="")
         name = row.row()
         name.active = item.use and item.state != "FAULT"
-        name.label(text=item.name)
+        name.label(text=item.name, icon=STATE_ICONS[item.state])
         length = row.row()
         length.alignment = "RIGHT"
         length.active = False
         length.label(text=duration(item.seconds) if item.seconds else "")
-        length.label(text="", icon=STATE_ICONS[item.state])
 
 
 class FOOTWORK_UL_databases(bpy.types.UIList):
@@ -37,8 +36,7 @@ class FOOTWORK_UL_databases(bpy.types.UIList):
         facts = row.row()
         facts.alignment = "RIGHT"
         facts.active = False
-        facts.label(text=f"{item.height_low:.2f}-{item.height_high:.2f}")
-        facts.label(text=duration(item.seconds))
+        facts.label(text=f"{item.height_low:.2f}-{item.height_high:.2f}  {duration(item.seconds)}")
 
 
 def duration(seconds: float) -> str:

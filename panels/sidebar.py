@@ -34,23 +34,26 @@ class Part:
         return ""
 
 
-class FOOTWORK_PT_job(Part, bpy.types.Panel):
-    """The job in progress"""
+def job_button(layout, operator: str, icon: str, scale: float) -> None:
+    """The button that starts a job; while the job runs, its progress and a button to cancel it."""
+    if not job_progress(layout, operator):
+        row = layout.row()
+        row.scale_y = scale
+        row.operator(operator, icon=icon)
 
-    bl_idname = "FOOTWORK_PT_job"
-    bl_label = "Working"
-    bl_options = {"HIDE_HEADER"}
 
-    @classmethod
-    def poll(cls, context):
-        return job_operator.running is not None
-
-    def draw(self, context):
-        running = job_operator.running
-        row = self.layout.row(align=True)
-        row.progress(factor=running.fraction, text=f"{running.title}: {running.fraction:.0%}")
-        row.operator("footwork.cancel_job", text="", icon="X")
-        self.layout.label(text=running.message)
+def job_progress(layout, operator: str) -> bool:
+    """How far this operator's job is; False where it does not run."""
+    running = job_operator.running
+    if running is None or running.operator != operator:
+        return False
+    row = layout.row(align=True)
+    row.progress(factor=running.fraction, text=f"{running.title}: {running.fraction:.0%}")
+    row.operator("footwork.cancel_job", text="", icon="X")
+    message = layout.row()
+    message.active = False
+    message.label(text=running.message)
+    return True
 
 
 class FOOTWORK_PT_takes(Part, bpy.types.Panel):
@@ -79,6 +82,7 @@ class FOOTWORK_PT_takes(Part, bpy.types.Panel):
             buttons.operator("footwork.move_take", text="", icon="TRIA_DOWN").step = 1
             buttons.separator()
             buttons.menu("FOOTWORK_MT_takes", text="", icon="DOWNARROW_HLT")
+        job_progress(layout, "footwork.inspect_takes")
         take = active(footwork.takes, footwork.take_index)
         if take is None:
             text.notes(context, layout, "Add motion-capture files (.bvh), or drop them into the viewport", "INFO")
@@ -99,9 +103,7 @@ class FOOTWORK_PT_takes(Part, bpy.types.Panel):
         heights.prop(settings, "height_high", text="")
         column.prop(footwork, "database_path", placeholder=database_path(footwork).name)
         self._advanced(layout, footwork)
-        build = layout.row()
-        build.scale_y = 1.3
-        build.operator("footwork.build_database", icon="FILE_NEW")
+        job_button(layout, "footwork.build_database", "FILE_NEW", 1.3)
 
     def _advanced(self, layout, footwork):
         header, body = layout.panel("FOOTWORK_database_advanced", default_closed=True)
@@ -199,7 +201,7 @@ class FOOTWORK_PT_predictor(Part, bpy.types.Panel):
         for name in settings.__annotations__:
             if name not in ("keep_worse", "batch", "learning_rate", "decay"):
                 body.prop(settings, name)
-        body.operator("footwork.train_predictor")
+        job_button(body, "footwork.train_predictor", "PLAY", 1.3)
 
 
 class FOOTWORK_PT_recording(Part, bpy.types.Panel):
@@ -259,7 +261,7 @@ class FOOTWORK_PT_rig(Part, bpy.types.Panel):
         layout, footwork = self.layout, context.scene.footwork
         row = layout.row(align=True)
         row.prop(footwork, "rig", text="")
-        row.operator("footwork.use_active_rig", text="", icon="EYEDROPPER")
+        row.operator("footwork.use_active_rig", text="", icon="RESTRICT_SELECT_OFF")
         rig = footwork.rig
         if rig is None:
             text.notes(context, layout, "Empty: an armature with the database's proportions is made", "INFO")
@@ -300,6 +302,18 @@ def _role_map(layout, rig):
             pair.prop_search(rig.footwork, attribute(f"{part}.{side}"), bones, "bones", text="")
 
 
+def _settings(layout, settings, names) -> None:
+    """Settings below each other: choices beside their name, numbers with the name inside."""
+    column = layout.column(align=True)
+    for name in names:
+        if settings.bl_rna.properties[name].type == "ENUM":
+            split = column.split(factor=0.35)
+            split.label(text=settings.bl_rna.properties[name].name)
+            split.prop(settings, name, text="")
+        else:
+            column.prop(settings, name)
+
+
 class FOOTWORK_PT_bake(Part, bpy.types.Panel):
     """The recording becomes an action of the rig"""
 
@@ -309,31 +323,25 @@ class FOOTWORK_PT_bake(Part, bpy.types.Panel):
     def draw(self, context):
         layout, footwork = self.layout, context.scene.footwork
         settings = footwork.bake
-        known = settings.__annotations__
-        layout.use_property_split = True
+        known = [name for name in settings.__annotations__ if name != "beta" or settings.trajectory == "causal"]
         layout.use_property_decorate = False
-        column = layout.column()
-        for name in MAIN_BAKE_SETTINGS:
-            if name in known and (name != "beta" or settings.trajectory == "causal"):
-                column.prop(settings, name)
-        column = layout.column(heading="Fit To User")
+        _settings(layout, settings, [name for name in MAIN_BAKE_SETTINGS if name in known])
+        grid = layout.grid_flow(row_major=True, columns=2, even_columns=True, align=True)
         for name in FITTING_SETTINGS:
             if name in known:
-                column.prop(settings, name)
+                grid.prop(settings, name)
         header, body = layout.panel("FOOTWORK_bake_advanced", default_closed=True)
         header.label(text="Advanced")
         if body:
-            for name in known:
-                if name not in MAIN_BAKE_SETTINGS + FITTING_SETTINGS:
-                    body.prop(settings, name)
+            _settings(body, settings, [n for n in known if n not in MAIN_BAKE_SETTINGS + FITTING_SETTINGS])
         header, body = layout.panel("FOOTWORK_bake_output", default_closed=True)
         header.label(text="Output")
         if body:
+            body.use_property_split = True
+            body.use_property_decorate = False
             for name in ("action_name", "frame_start", "fit_range", "markers", "keep_previous"):
                 body.prop(footwork, name)
-        bake = layout.row()
-        bake.scale_y = 1.6
-        bake.operator("footwork.bake", icon="ARMATURE_DATA")
+        job_button(layout, "footwork.bake", "ARMATURE_DATA", 1.6)
 
 
 class FOOTWORK_PT_quality(Part, bpy.types.Panel):
@@ -364,7 +372,6 @@ class FOOTWORK_PT_quality(Part, bpy.types.Panel):
 
 CLASSES = (
     FOOTWORK_MT_takes,
-    FOOTWORK_PT_job,
     FOOTWORK_PT_takes,
     FOOTWORK_PT_databases,
     FOOTWORK_PT_predictor,
