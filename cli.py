@@ -8,7 +8,6 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-import time
 import traceback
 from collections.abc import Callable, Sequence
 from dataclasses import MISSING, fields
@@ -44,7 +43,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         return BAD_INPUT
     except Exception:
         traceback.print_exc()
-        print(f"footwork {options.verb}: this is a bug in Footwork; please report the lines above", file=sys.stderr)
+        print(
+            f"footwork {options.verb}: this is a bug in Footwork; please report the lines above",
+            file=sys.stderr,
+        )
         return BUG
     return DONE
 
@@ -59,7 +61,9 @@ def make_parser() -> argparse.ArgumentParser:
     def verb(name: str, run: Callable[[argparse.Namespace], Report], help: str) -> argparse.ArgumentParser:
         sub = verbs.add_parser(name, help=help, description=help[0].upper() + help[1:] + ".")
         sub.set_defaults(run=run)
-        sub.add_argument("--json", metavar="FILE", help="write a machine-readable report, - for standard output")
+        sub.add_argument(
+            "--json", metavar="FILE", help="write a machine-readable report, - for standard output"
+        )
         return sub
 
     sub = verb("inspect", inspect, "show what is found in takes or recordings, and what is doubtful")
@@ -76,7 +80,9 @@ def make_parser() -> argparse.ArgumentParser:
         default=(0.0, 2.0),
         help="headset heights over standing eye height for which it is meant (default: 0 2)",
     )
-    sub.add_argument("--tag", action="append", default=[], metavar="T", help="a word to find it by; may be repeated")
+    sub.add_argument(
+        "--tag", action="append", default=[], metavar="T", help="a word to find it by; may be repeated"
+    )
     sub.add_argument(
         "--exclude",
         action="append",
@@ -106,11 +112,19 @@ def make_parser() -> argparse.ArgumentParser:
 
     sub = verb("bake", bake, "turn a recording into an animated rig")
     sub.add_argument("recording", metavar="RECORDING")
-    sub.add_argument("--rig", metavar="FILE[:OBJECT]", help=".blend, .fbx, .glb or .vrm; default: the database's skeleton")
+    sub.add_argument(
+        "--rig", metavar="FILE[:OBJECT]", help=".blend, .fbx, .glb or .vrm; default: the database's skeleton"
+    )
     sub.add_argument("-o", "--output", required=True, metavar="OUT.blend", help="the file to write")
-    sub.add_argument("--export", action="append", default=[], metavar="FILE", help="also write .fbx, .glb or .bvh")
-    sub.add_argument("--eye-height", type=float, metavar="M", help="standing eye height, m (default: the recording's)")
-    sub.add_argument("--fps", type=float, metavar="N", help="frame rate of the scene (default: the database's)")
+    sub.add_argument(
+        "--export", action="append", default=[], metavar="FILE", help="also write .fbx, .glb or .bvh"
+    )
+    sub.add_argument(
+        "--eye-height", type=float, metavar="M", help="standing eye height, m (default: the recording's)"
+    )
+    sub.add_argument(
+        "--fps", type=float, metavar="N", help="frame rate of the scene (default: the database's)"
+    )
     add_bake_options(sub)
 
     sub = verb("evaluate", evaluate, "compare bakes with the truth: each take is the user")
@@ -123,7 +137,11 @@ def make_parser() -> argparse.ArgumentParser:
 def add_bake_options(parser: argparse.ArgumentParser) -> None:
     """The options that bake and evaluate share."""
     parser.add_argument(
-        "--database", action="append", required=True, metavar="DB.npz", help="a motion database; may be repeated"
+        "--database",
+        action="append",
+        required=True,
+        metavar="DB.npz",
+        help="a motion database; may be repeated",
     )
     parser.add_argument("--predictor", metavar="P.npz", help='body-orientation weights, or "hmd" for none')
     add_settings(parser, BakeSettings)
@@ -137,7 +155,9 @@ def add_settings(parser: argparse.ArgumentParser, settings: type, skip: Sequence
         meta, flag = item.metadata, "--" + item.name.replace("_", "-")
         assert item.default is not MISSING
         if isinstance(item.default, bool):
-            parser.add_argument(flag, action=argparse.BooleanOptionalAction, default=item.default, help=meta["help"])
+            parser.add_argument(
+                flag, action=argparse.BooleanOptionalAction, default=item.default, help=meta["help"]
+            )
             continue
         unit = f" {meta['unit']}" if meta["unit"] else ""
         shown = f"{item.default:g}" if isinstance(item.default, float) else str(item.default)
@@ -220,7 +240,8 @@ def inspect(options: argparse.Namespace) -> Report:
 
 def build(options: argparse.Namespace) -> Report:
     """A motion database from takes."""
-    from .core.database.build import build_database, parse_exclusion
+    from .core.database.build import build_database
+    from .core.database.clips import parse_exclusion
     from .core.database.describe import describe_database
     from .core.database.sidecar import save_database
 
@@ -245,11 +266,23 @@ def build(options: argparse.Namespace) -> Report:
 
 def info(options: argparse.Namespace) -> Report:
     """What a database holds."""
-    from .core.database.describe import describe_database, describe_in_words
+    from .core.database.describe import describe_database
     from .core.database.sidecar import load_database
 
     report = describe_database(load_database(Path(options.database)))
-    say(options, describe_in_words(report))
+    low, high = report["height_range"]
+    say(
+        options,
+        f"{report['name']}: {report['frames']} frames, {report['seconds']:.1f} s, {report['joints']} joints",
+    )
+    say(
+        options,
+        f"  headset heights  {low:g} to {high:g}; the takes suggest {report['suggested_height_range']}",
+    )
+    say(options, f"  tags             {', '.join(report['tags']) or 'none'}")
+    for clip in report["clips"]:
+        mirrored = " mirrored" if clip["mirrored"] else ""
+        say(options, f"  {clip['seconds']:8.1f} s       {clip['name']}{mirrored}")
     return report
 
 
@@ -291,12 +324,12 @@ def evaluate_predictor(options: argparse.Namespace) -> Report:
 
 def simulate(options: argparse.Namespace) -> Report:
     """A recording with virtual trackers from a take."""
-    from .core.recording.csv_format import write_recording
+    from .core.recording.csv_format import write_csv
     from .core.recording.simulate import simulate_recording
 
     (take,) = load_takes([options.take])
     recording = simulate_recording(take.motion, take.name)
-    write_recording(Path(options.output), recording)
+    write_csv(options.output, recording)
     say(options, f"{options.output}: {recording.times[-1]:.1f} s at {recording.fps:g} per second")
     return {"file": options.output, "seconds": float(recording.times[-1]), "fps": recording.fps}
 
@@ -326,8 +359,12 @@ def bake(options: argparse.Namespace) -> Report:
 
     try:
         from .bridge import files
-    except ImportError as error:
-        raise InputError(f"bake writes Blender files and needs Blender's module bpy ({error})") from error
+    except ModuleNotFoundError as error:
+        if error.name != "bpy":
+            raise
+        raise InputError(
+            "bake writes Blender files: run it in Blender, or install the Python module bpy"
+        ) from error
     settings = read_settings(options, BakeSettings)
     files.check_targets([options.output, *options.export])
     recording = read_recording(options.recording, options.eye_height)
@@ -339,7 +376,10 @@ def bake(options: argparse.Namespace) -> Report:
     target.write(result, Path(options.recording).stem)
     target.save(options.output, options.export)
     say(options, report_in_words(result.report))
-    say(options, f"{options.output}: {target.name}, {len(result.tracks.rotations)} frames at {fps:g} per second")
+    say(
+        options,
+        f"{options.output}: {target.name}, {len(result.tracks.rotations)} frames at {fps:g} per second",
+    )
     return result.report
 
 

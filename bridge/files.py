@@ -146,8 +146,12 @@ def _save_copy(path: Path) -> None:
 def _export_fbx(armature: bpy.types.Object, path: Path) -> None:
     _select(armature)
     bpy.ops.export_scene.fbx(
-        filepath=str(path), use_selection=True, add_leaf_bones=False, bake_anim_use_all_actions=False,
-        bake_anim_use_nla_strips=False, bake_anim_simplify_factor=0.0,
+        filepath=str(path),
+        use_selection=True,
+        add_leaf_bones=False,
+        bake_anim_use_all_actions=False,
+        bake_anim_use_nla_strips=False,
+        bake_anim_simplify_factor=0.0,
     )
 
 

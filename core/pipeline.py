@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -16,7 +16,7 @@ from .evaluation.metrics import bake_metrics
 from .jobs import Job, part
 from .matching.inertialization import assemble
 from .matching.playback import Playback, match
-from .matching.trajectory import plan_trajectory
+from .matching.trajectory import make_trajectory
 from .mocap.skeleton import Motion, Skeleton
 from .recording.body import joint_targets, scale
 from .recording.recording import Recording
@@ -92,8 +92,10 @@ def bake(
     to_rig = _fitting_scale(recording, fit.skeleton) if settings.scale_to_rig else 1.0
     # alpha is metres on the rig: the search works on the database's own body size
     sized = replace(settings, alpha=settings.alpha * to_database / to_rig)
-    plan = plan_trajectory(scale(recording, to_database), yaws, sized)
-    playback = yield from part(match(plan, databases, sized), 0.05, 0.6)
+    heads = joint_targets(scale(recording, to_database))[0][:, 0, :2]
+    trajectory = make_trajectory(heads, yaws, fps, sized)
+    heights = recording.positions[:, 0, 2] / recording.eye_height
+    playback = yield from part(match(trajectory, heights, databases, sized), 0.05, 0.6)
     clock.lap("search")
 
     yield 0.6, "Blending poses"
@@ -111,7 +113,18 @@ def bake(
     clock.lap("keys")
 
     yield 0.95, "Measuring"
-    metrics = measure(avatar, playback, yaws, to_rig / to_database, truth)
+    sized_truth = None if truth is None else scale_motion(truth, to_rig)
+    # skating is measured on the contacts of the matched motion: those that the lock kept are still by construction
+    metrics = bake_metrics(
+        avatar.motion,
+        contacts,
+        trackers,
+        playback,
+        databases,
+        avatar.unreachable,
+        scale=to_rig / to_database,
+        truth=sized_truth,
+    )
     clock.lap("measures")
     warnings = tuple(recording.doubts)
     report = {
@@ -131,8 +144,41 @@ def bake(
 
 def scale_motion(motion: Motion, factor: float) -> Motion:
     """A motion of a body `factor` times as large, about the floor point under the world's origin."""
-    skeleton = replace(motion.skeleton, offsets=motion.skeleton.offsets * factor, tips=motion.skeleton.tips * factor)
+    skeleton = replace(
+        motion.skeleton, offsets=motion.skeleton.offsets * factor, tips=motion.skeleton.tips * factor
+    )
     return replace(motion, skeleton=skeleton, positions=motion.positions * factor)
+
+
+def report_in_words(report: dict[str, Any]) -> str:
+    """The figures that a person looks at first, a line each."""
+    metrics = report["metrics"]
+    lines = [f"  {'':<26}{'mean':>8}{'p95':>8}{'max':>8}{'floor':>8}"]
+    for name, label in _IN_WORDS.items():
+        if name in metrics:
+            row = metrics[name]
+            floor = f"{row['floor']['mean']:8.2f}" if "floor" in row else ""
+            lines.append(f"  {label:<26}{row['mean']:8.2f}{row['p95']:8.2f}{row['max']:8.2f}{floor}")
+    timing = report["timing_s"]
+    seconds = sum(value for stage, value in timing.items() if stage != "recorded")
+    lines.append(
+        f"  {metrics['transitions_per_s']:.2f} transitions per second, {metrics['poses_used']} poses used, "
+        f"{metrics['clamped_fraction']:.1%} of frames held at alpha, {metrics['unreachable_fraction']:.1%} out of reach"
+    )
+    lines.append(f"  {timing['recorded']:.1f} s recorded, baked in {seconds:.2f} s")
+    return "\n".join(lines + [f"  warning: {warning}" for warning in report["warnings"]])
+
+
+_IN_WORDS = {
+    "root_error_cm": "root error, cm",
+    "yaw_error_deg": "yaw error, degrees",
+    "foot_skate_cm_s": "foot skate, cm/s",
+    "penetration_cm": "below the floor, cm",
+    "head_position_error_cm": "head error, cm",
+    "head_rotation_error_deg": "head error, degrees",
+    "hand_position_error_cm": "hand error, cm",
+    "lower_body_mpjpe_cm": "legs beside the truth, cm",
+}
 
 
 def _fitting_scale(recording: Recording, skeleton: Skeleton) -> float:

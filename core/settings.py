@@ -1,4 +1,4 @@
-"""Every control once: default, bounds, unit and help. UI properties and command-line flags are made from these fields."""
+"""Every control once: default, bounds, unit and help. UI properties and command-line flags are made from here."""
 
 from __future__ import annotations
 
@@ -43,8 +43,12 @@ def check(settings: Any) -> None:
             raise InputError(f"{name}: {value!r} is none of {', '.join(meta['choices'])}")
         if isinstance(value, float) and not math.isfinite(value):
             raise InputError(f"{name}: {value} is not a finite number")
-        if (meta["low"] is not None and value < meta["low"]) or (meta["high"] is not None and value > meta["high"]):
-            raise InputError(f"{name}: {value:g} is outside {meta['low']:g} to {meta['high']:g} {meta['unit']}".rstrip())
+        if (meta["low"] is not None and value < meta["low"]) or (
+            meta["high"] is not None and value > meta["high"]
+        ):
+            raise InputError(
+                f"{name}: {value:g} is outside {meta['low']:g} to {meta['high']:g} {meta['unit']}".rstrip()
+            )
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,10 +72,18 @@ class DatabaseSettings:
         unit="s",
     )
     height_low: float = setting(
-        0.0, "From", "Least headset height over standing eye height for which this database is used", low=0.0, high=2.0
+        0.0,
+        "From",
+        "Least headset height over standing eye height for which this database is used",
+        low=0.0,
+        high=2.0,
     )
     height_high: float = setting(
-        2.0, "To", "Headset height over standing eye height from which this database is no longer used", low=0.0, high=2.0
+        2.0,
+        "To",
+        "Headset height over standing eye height from which this database is no longer used",
+        low=0.0,
+        high=2.0,
     )
 
 
@@ -117,7 +129,12 @@ class BakeSettings:
         10 / 60, "Search Every", "Time between two searches", low=1 / 240, high=2.0, unit="s"
     )
     halflife: float = setting(
-        0.1, "Blend Half-life", "Half-life of the inertialization at transitions", low=0.01, high=1.0, unit="s"
+        0.1,
+        "Blend Half-life",
+        "Half-life of the inertialization at transitions",
+        low=0.01,
+        high=1.0,
+        unit="s",
     )
     adjustment: float = setting(
         0.1,
@@ -135,14 +152,23 @@ class BakeSettings:
     weight_feet: float = setting(1.0, "Feet", "Weight of feet positions and velocities", low=0.0, high=100.0)
     weight_hips: float = setting(1.0, "Hips", "Weight of the hips' velocity", low=0.0, high=100.0)
     height_margin: float = setting(
-        0.02, "Height Margin", "How far past a height range's border before the database changes", low=0.0, high=0.5
+        0.02,
+        "Height Margin",
+        "How far past a height range's border before the database changes",
+        low=0.0,
+        high=0.5,
     )
     scale_to_rig: bool = setting(
         True, "Scale to Rig", "Scale the recording about the floor by the rig's eye height over the user's"
     )
     foot_lock: bool = setting(True, "Foot Lock", "Keep feet that touch the ground where they are")
     unlock_distance: float = setting(
-        0.2, "Unlock Distance", "A locked foot is let go when the motion leaves it this far behind", low=0.0, high=1.0, unit="m"
+        0.2,
+        "Unlock Distance",
+        "A locked foot is let go when the motion leaves it this far behind",
+        low=0.0,
+        high=1.0,
+        unit="m",
     )
     arms: bool = setting(True, "Hands", "Reach for the controllers")
     head: bool = setting(True, "Head", "Put the head at the headset")

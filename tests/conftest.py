@@ -6,6 +6,9 @@ import os
 from pathlib import Path
 
 import pytest
+from footwork.core.mocap.bvh import write_bvh
+from footwork.core.mocap.demo import demo_motion
+from footwork.core.mocap.export import to_bvh
 
 DATA = Path(os.environ.get("FOOTWORK_DATA", Path(__file__).parents[2] / "shared" / "data"))
 
@@ -16,3 +19,12 @@ def data() -> Path:
     if not (DATA / "takes").is_dir():
         pytest.skip("no motion data beside the project (set FOOTWORK_DATA)")
     return DATA
+
+
+@pytest.fixture(scope="session")
+def demo(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with procedural takes: walk, turn, sidestep, crouch and visit `.bvh`."""
+    folder = tmp_path_factory.mktemp("demo")
+    for seed, script in enumerate(("walk", "turn", "sidestep", "crouch", "visit")):
+        write_bvh(folder / f"{script}.bvh", to_bvh(demo_motion(script, seed), script))
+    return folder

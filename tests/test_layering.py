@@ -56,7 +56,9 @@ def imports(path: Path) -> set[str]:
 
 def test_core_and_nn_import_without_blender_and_torch() -> None:
     script = f"FOREIGN = {FOREIGN!r}\n{IMPORT_ALL}"
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=120, check=False)
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, timeout=120, check=False
+    )
     assert done.returncode == 0, done.stderr
     assert done.stdout.strip() == "all imported"
 
@@ -76,7 +78,7 @@ def test_torch_is_imported_by_training_alone() -> None:
 def test_blender_is_imported_only_above_core_and_nn() -> None:
     users = [path for package in ("core", "nn") for path in modules(package)]
     for path in [*users, ROOT / "cli.py"]:
-        assert not {"bpy", "mathutils"} & {name for name in top_level_imports(path)}, path
+        assert not {"bpy", "mathutils"} & top_level_imports(path), path
 
 
 def top_level_imports(path: Path) -> set[str]:

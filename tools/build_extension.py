@@ -28,7 +28,9 @@ def build(folder: Path = ROOT / "dist") -> Path:
     target.unlink(missing_ok=True)
     command = [sys.executable, str(packager())]
     subprocess.run(
-        [*command, "build", "--source-dir", str(ROOT), "--output-filepath", str(target)], check=True, timeout=120
+        [*command, "build", "--source-dir", str(ROOT), "--output-filepath", str(target)],
+        check=True,
+        timeout=120,
     )
     subprocess.run([*command, "validate", str(target)], check=True, timeout=120)
     return target

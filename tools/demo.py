@@ -1,7 +1,7 @@
 """From nothing to an animated character: demo takes, databases, a recording, a bake, pictures.
 
-Writes into the output folder: the takes (.bvh), the databases (.npz), the recording (.csv), demo.blend, demo.mp4, demo.png
-(a contact sheet) and report.json.
+Writes into the output folder: the takes (.bvh), the databases (.npz), the recording (.csv), demo.blend, demo.mp4,
+demo.png (a contact sheet) and report.json.
 """
 
 from __future__ import annotations
@@ -58,14 +58,32 @@ def main() -> None:
     make_takes(out)
     for name, scripts in DATABASES.items():
         takes = [str(out / f"{script}.bvh") for script in scripts]
-        verb("build-database", *takes, "-o", str(out / f"{name}.npz"), "--mirror", "--height-range", *RANGES[name])
+        verb(
+            "build-database",
+            *takes,
+            "-o",
+            str(out / f"{name}.npz"),
+            "--mirror",
+            "--height-range",
+            *RANGES[name],
+        )
     verb("simulate-recording", str(out / f"{USER}.bvh"), "-o", str(out / "recording.csv"))
     databases = [part for name in DATABASES for part in ("--database", str(out / f"{name}.npz"))]
-    verb("bake", str(out / "recording.csv"), *databases, "-o", str(out / "demo.blend"), "--json", str(out / "report.json"))
+    verb(
+        "bake",
+        str(out / "recording.csv"),
+        *databases,
+        "-o",
+        str(out / "demo.blend"),
+        "--json",
+        str(out / "report.json"),
+    )
     if not options.no_pictures:
         bpy.ops.wm.open_mainfile(filepath=str(out / "demo.blend"))
         camera = stage(bpy.context.scene)
-        frames = np.linspace(bpy.context.scene.frame_start, bpy.context.scene.frame_end, 12).round().astype(int)
+        frames = (
+            np.linspace(bpy.context.scene.frame_start, bpy.context.scene.frame_end, 12).round().astype(int)
+        )
         contact_sheet(bpy.context.scene, camera, frames, out / "demo.png")
         film(bpy.context.scene, camera, out / "demo.mp4")
         print(f"\npictures: {out / 'demo.png'}, {out / 'demo.mp4'}")

@@ -15,7 +15,7 @@ FILM_FPS = 20
 
 
 def stage(scene: bpy.types.Scene) -> bpy.types.Object:
-    """Add a floor, bodies on the armatures' bones where no mesh shows them, and a camera; return the camera."""
+    """Add a floor, bodies on the bones of armatures that have no mesh, and a camera; return the camera."""
     for armature in [obj for obj in scene.objects if obj.type == "ARMATURE"]:
         if not any(obj.type == "MESH" and obj.find_armature() == armature for obj in scene.objects):
             _flesh(scene, armature)
@@ -28,7 +28,12 @@ def stage(scene: bpy.types.Scene) -> bpy.types.Object:
     render.engine = "BLENDER_WORKBENCH"
     render.resolution_x, render.resolution_y, render.resolution_percentage = WIDTH, HEIGHT, 100
     shading = scene.display.shading
-    shading.light, shading.color_type, shading.show_shadows, shading.show_cavity = "STUDIO", "OBJECT", True, True
+    shading.light, shading.color_type, shading.show_shadows, shading.show_cavity = (
+        "STUDIO",
+        "OBJECT",
+        True,
+        True,
+    )
     return camera
 
 
@@ -37,7 +42,9 @@ def contact_sheet(
 ) -> None:
     """One PNG with the given frames in reading order."""
     with tempfile.TemporaryDirectory() as folder:
-        tiles = [_shot(scene, camera, int(frame), Path(folder) / f"{i}.png") for i, frame in enumerate(frames)]
+        tiles = [
+            _shot(scene, camera, int(frame), Path(folder) / f"{i}.png") for i, frame in enumerate(frames)
+        ]
     blank = np.ones_like(tiles[0])
     tiles += [blank] * (-len(tiles) % columns)
     rows = [np.concatenate(tiles[i : i + columns], axis=1) for i in range(0, len(tiles), columns)]
@@ -105,7 +112,9 @@ def _flesh(scene: bpy.types.Scene, armature: bpy.types.Object) -> None:
     for bone in armature.data.bones:
         half = 0.5 * bone.length
         width = min(max(0.16 * bone.length, 0.025), 0.07)
-        corners = [(x, y, z) for y in (-0.98 * half, 0.98 * half) for x in (-width, width) for z in (-width, width)]
+        corners = [
+            (x, y, z) for y in (-0.98 * half, 0.98 * half) for x in (-width, width) for z in (-width, width)
+        ]
         faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 2, 6, 4), (1, 5, 7, 3), (0, 4, 5, 1), (2, 3, 7, 6)]
         mesh = bpy.data.meshes.new(bone.name)
         mesh.from_pydata(corners, [], faces)

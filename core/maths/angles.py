@@ -29,4 +29,6 @@ def yaw_of(vector: Array) -> Array:
 def turn(vector: Array, yaw: ArrayLike) -> Array:
     """Ground vectors `(..., 2)` turned about the vertical by `yaw` radians `(...)`."""
     c, s = np.cos(yaw), np.sin(yaw)
-    return np.stack([c * vector[..., 0] - s * vector[..., 1], s * vector[..., 0] + c * vector[..., 1]], axis=-1)
+    return np.stack(
+        [c * vector[..., 0] - s * vector[..., 1], s * vector[..., 0] + c * vector[..., 1]], axis=-1
+    )

@@ -36,9 +36,7 @@ def forward(
 def local_rotations(global_rotations: Array, parents: NDArray[np.intp]) -> Array:
     """Local rotations `(T, J, 4)` of global ones; joint 0 keeps its global rotation."""
     out = np.array(global_rotations)
-    out[:, 1:] = quat.multiply(
-        quat.conjugate(global_rotations[:, parents[1:]]), global_rotations[:, 1:]
-    )
+    out[:, 1:] = quat.multiply(quat.conjugate(global_rotations[:, parents[1:]]), global_rotations[:, 1:])
     return quat.continuous(out)
 
 

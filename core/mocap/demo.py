@@ -50,7 +50,10 @@ def demo_skeleton(height: float = 1.75) -> Skeleton:
     """A 23-joint skeleton with Xsens names, `height` metres tall."""
     mirror = np.array([-1.0, 1.0, 1.0])
     rows = [*_CENTRE, *_LEFT]
-    rows += [(n.replace("Left", "Right"), p.replace("Left", "Right"), tuple(mirror * np.array(o)), r[:-1] + "R") for n, p, o, r in _LEFT]
+    rows += [
+        (n.replace("Left", "Right"), p.replace("Left", "Right"), tuple(mirror * np.array(o)), r[:-1] + "R")
+        for n, p, o, r in _LEFT
+    ]
     names = [row[0] for row in rows]
     tips = np.zeros((len(rows), 3))
     for i, name in enumerate(names):
@@ -184,7 +187,7 @@ def _feet(path: Array, yaws: Array, fps: float, height: float) -> tuple[Array, A
         step = np.floor(cycle).astype(int)
         share = cycle - step
         # a hold lies where the body is in the middle of the stance that uses it
-        holds = np.arange(step.max() + 3)
+        holds: Array = np.arange(int(step.max()) + 3, dtype=np.float64)
         middle = (holds - 0.5 * side + 0.5 * _STANCE) * 2.0 / _STEPS_PER_S
         at = np.clip(np.round(middle * fps).astype(int), 0, count - 1)
         aside = np.array([-_HALF_STANCE_M if side == 0 else _HALF_STANCE_M, 0.14]) * height / 1.75
@@ -277,8 +280,7 @@ def _pose_legs(
         length = np.minimum(np.linalg.norm(line, axis=-1), (upper + lower) * 0.9999)
         down = line / np.linalg.norm(line, axis=-1, keepdims=True)
         ahead = np.column_stack([angles.direction(foot_yaws[:, side]), np.zeros(len(hips))])
-        hinge = np.cross(ahead, -down)
-        hinge /= np.linalg.norm(hinge, axis=-1, keepdims=True)
+        hinge = _unit(np.cross(ahead, -down))
         bend = np.arccos(np.clip((upper**2 + length**2 - lower**2) / (2 * upper * length), -1.0, 1.0))
         knee = np.arccos(np.clip((upper**2 + lower**2 - length**2) / (2 * upper * lower), -1.0, 1.0))
         straight = quat.from_matrix(np.stack([hinge, np.cross(-down, hinge), -down], axis=-1))
@@ -289,3 +291,8 @@ def _pose_legs(
         rotations[:, shin] = quat.multiply(quat.conjugate(thigh_turn), shin_turn)
         rotations[:, foot] = quat.multiply(quat.conjugate(shin_turn), foot_turn)
         rotations[:, skeleton.joint(f"toe.{letter}")] = quat.from_axis("X", -pitch[:, side])
+
+
+def _unit(vectors: Array) -> Array:
+    """`vectors` `(T, 3)` at length one."""
+    return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)

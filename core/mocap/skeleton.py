@@ -28,7 +28,11 @@ ROLES = (*CENTRE_ROLES, *(f"{part}.{side}" for side in SIDES for part in (*ARM, 
 REQUIRED_ROLES = (
     "hips",
     "head",
-    *(f"{part}.{side}" for side in SIDES for part in ("upper_arm", "forearm", "hand", "thigh", "shin", "foot")),
+    *(
+        f"{part}.{side}"
+        for side in SIDES
+        for part in ("upper_arm", "forearm", "hand", "thigh", "shin", "foot")
+    ),
 )
 """A body without one of these cannot be used; chest, neck, clavicles, toes and inner spine joints may be missing."""
 
@@ -42,7 +46,7 @@ class Skeleton:
     parents: NDArray[np.intp]
     """`(J,)` index of the parent; -1 for the hips."""
     offsets: Array
-    """`(J, 3)` metres from the parent joint in T-pose; `offsets[0]` is the hips' place above the floor point (0, 0, 0)."""
+    """`(J, 3)` metres from the parent joint in T-pose; `offsets[0]` is the hips above the floor point (0, 0, 0)."""
     roles: tuple[str, ...]
     """`(J,)` one of `ROLES`, or "" for joints in between that have none; each role at most once."""
     tips: Array
@@ -90,7 +94,9 @@ class Motion:
 
     def forward(self) -> tuple[Array, Array]:
         """World joint positions `(T, J, 3)` in metres and rotations since T-pose `(T, J, 4)`."""
-        return kinematics.forward(self.positions, self.rotations, self.skeleton.offsets, self.skeleton.parents)
+        return kinematics.forward(
+            self.positions, self.rotations, self.skeleton.offsets, self.skeleton.parents
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,0 +1,172 @@
+"""The command line as a script would use it: verbs, files, exit codes, reports."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import subprocess
+import sys
+from dataclasses import fields
+from pathlib import Path
+
+import numpy as np
+import pytest
+from footwork.cli import main, make_parser
+from footwork.core.settings import BakeSettings
+
+WITH_BPY = importlib.util.find_spec("bpy") is not None
+
+
+@pytest.fixture(scope="module")
+def walk(demo: Path) -> Path:
+    """A database of the standing demo takes."""
+    target = demo / "walk.npz"
+    takes = [str(demo / f"{name}.bvh") for name in ("walk", "turn", "sidestep")]
+    assert main(["build-database", *takes, "-o", str(target), "--mirror", "--height-range", "0.85", "2"]) == 0
+    return target
+
+
+@pytest.fixture(scope="module")
+def crouch(demo: Path) -> Path:
+    """A database of the crouching demo take."""
+    target = demo / "crouch.npz"
+    assert (
+        main(["build-database", str(demo / "crouch.bvh"), "-o", str(target), "--height-range", "0", "0.85"])
+        == 0
+    )
+    return target
+
+
+@pytest.fixture(scope="module")
+def visit(demo: Path) -> Path:
+    """The demo user's recording."""
+    target = demo / "visit.csv"
+    assert main(["simulate-recording", str(demo / "visit.bvh"), "-o", str(target)]) == 0
+    return target
+
+
+def test_inspect_tells_what_was_found(demo: Path, visit: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["inspect", str(demo / "walk.bvh"), str(visit), "--json", "-"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    take, recording = report["files"]
+    assert "Xsens" in json.dumps(take["found"])
+    assert not take["doubts"]
+    assert len(recording["sha256"]) == 64
+
+
+def test_every_fault_is_told_on_a_line_and_nothing_is_written(
+    tmp_path: Path, demo: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "empty.bvh").write_text("")
+    (tmp_path / "text.bvh").write_text("not motion capture\n")
+    takes = [str(tmp_path / name) for name in ("empty.bvh", "text.bvh", "absent.bvh")]
+    target = tmp_path / "db.npz"
+    assert main(["build-database", str(demo / "walk.bvh"), *takes, "-o", str(target)]) == 2
+    lines = capsys.readouterr().err.strip().splitlines()
+    assert [Path(path).name in line for path, line in zip(takes, lines, strict=True)] == [True] * 3
+    assert not target.exists()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["empty.bvh", "text.bvh"]
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["no-such-verb"],
+        ["bake"],
+        ["bake", "r.csv", "--database", "d.npz", "-o", "o.blend", "--alpha", "far"],
+        ["bake", "r.csv", "--database", "d.npz", "-o", "o.blend", "--alpha", "-1"],
+        ["bake", "r.csv", "--database", "d.npz", "-o", "o.txt"],
+        ["database-info", "absent.npz"],
+    ],
+)
+def test_bad_usage_and_bad_input_exit_with_two(
+    arguments: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(arguments) == 2
+    assert capsys.readouterr().err
+
+
+def test_help_names_every_control(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["bake", "--help"]) == 0
+    text = capsys.readouterr().out
+    for item in fields(BakeSettings):
+        assert "--" + item.name.replace("_", "-") in text
+        assert " ".join(item.metadata["help"].split())[:30] in " ".join(text.split())
+
+
+def test_defaults_of_the_flags_are_those_of_the_settings() -> None:
+    options = make_parser().parse_args(["bake", "r.csv", "--database", "d.npz", "-o", "o.blend"])
+    assert (
+        BakeSettings(**{item.name: getattr(options, item.name) for item in fields(BakeSettings)})
+        == BakeSettings()
+    )
+
+
+def test_database_info(walk: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["database-info", str(walk), "--json", "-"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert [clip["mirrored"] for clip in report["clips"]] == [False, False, False, True, True, True] or (
+        sum(clip["mirrored"] for clip in report["clips"]) == 3
+    )
+    assert report["height_range"] == [0.85, 2.0]
+
+
+def test_evaluate_measures_against_the_truth(
+    demo: Path, walk: Path, crouch: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arguments = ["--database", str(walk), "--database", str(crouch), "--true-orientation", "--json", "-"]
+    assert main(["evaluate", str(demo / "visit.bvh"), *arguments]) == 0
+    (entry,) = json.loads(capsys.readouterr().out)["takes"]
+    metrics = entry["metrics"]
+    assert metrics["root_error_cm"]["max"] <= 30.0 + 1e-6
+    assert metrics["hand_position_error_cm"]["mean"] < 1.0
+    assert metrics["lower_body_mpjpe_cm"]["mean"] < 25.0
+
+
+@pytest.mark.skipif(not WITH_BPY, reason="bpy is not installed as a module")
+def test_bake_writes_a_blend_a_bvh_and_the_report(
+    tmp_path: Path, walk: Path, crouch: Path, visit: Path
+) -> None:
+    outputs = [tmp_path / name for name in ("baked.blend", "baked.bvh", "report.json")]
+    command = [
+        sys.executable,
+        "-m",
+        "footwork",
+        "bake",
+        str(visit),
+        "--database",
+        str(walk),
+        "--database",
+        str(crouch),
+    ]
+    command += ["-o", str(outputs[0]), "--export", str(outputs[1]), "--json", str(outputs[2])]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+    assert done.returncode == 0, done.stderr
+    assert outputs[0].read_bytes()[:7] == b"BLENDER" or outputs[0].read_bytes()[:4] == b"\x28\xb5\x2f\xfd"
+    report = json.loads(outputs[2].read_text())
+    assert {"root_error_cm", "foot_skate_cm_s", "hand_position_error_cm", "transitions_per_s"} <= report[
+        "metrics"
+    ].keys()
+    assert [row["kind"] for row in report["inputs"]] == ["recording", "database", "database"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["baked.blend", "baked.bvh", "report.json"]
+
+
+@pytest.mark.skipif(not WITH_BPY, reason="bpy is not installed as a module")
+def test_bake_with_a_bad_rig_writes_nothing(tmp_path: Path, walk: Path, visit: Path) -> None:
+    (tmp_path / "rig.fbx").write_bytes(b"no fbx")
+    command = [sys.executable, "-m", "footwork", "bake", str(visit), "--database", str(walk)]
+    command += ["--rig", str(tmp_path / "rig.fbx"), "-o", str(tmp_path / "baked.blend")]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+    assert done.returncode == 2
+    assert "rig.fbx" in done.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["rig.fbx"]
+
+
+def test_same_inputs_give_the_same_bytes(tmp_path: Path, demo: Path) -> None:
+    targets = [tmp_path / "a" / "db.npz", tmp_path / "b" / "db.npz"]
+    for target in targets:
+        target.parent.mkdir()
+        assert main(["build-database", str(demo / "turn.bvh"), "-o", str(target), "--mirror"]) == 0
+    assert targets[0].read_bytes() == targets[1].read_bytes()
+    with np.load(targets[0], allow_pickle=False) as arrays:
+        assert arrays.files
