@@ -79,6 +79,7 @@ def read_csv(content: bytes, file: str) -> RawRecording:
     return RawRecording(
         tracks=(head, left, right),
         found={"format": "Footwork CSV"},
+        states_validity=True,
         name=fields["name"][1] if "name" in fields else "",
         mounts=_mounts(fields, file),
         eye_height=_floats(fields, "eye_height", 1, file)[0] if "eye_height" in fields else None,

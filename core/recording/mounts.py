@@ -38,12 +38,12 @@ def grip_mounts(head: tuple[float, float, float], reach: float, pitch: float) ->
 SIMULATED_MOUNTS = grip_mounts(head=(0.0, 0.10, 0.0), reach=0.08, pitch=0.0)
 """Virtual trackers: a headset 0.10 m ahead of the head joint, controllers at the grip."""
 
-DEVICE_MOUNTS = grip_mounts(head=(0.0, 0.09, 0.08), reach=0.10, pitch=math.radians(15.0))
-"""Real devices, typical values: the eyes before the skull's base; a wand or ring controller in the fist.
+DEVICE_MOUNTS = grip_mounts(head=(0.0, 0.08, 0.09), reach=0.10, pitch=math.radians(15.0))
+"""Real devices, typical values: a headset before the eyes, a wand or ring controller in the fist.
 
-The controllers' values are measured: with the wrist taken as stiff, the elbow is the point of a controller's
-frame that keeps its distance from the shoulder. In a Vive room-scale recording it lies 0.33 (left) and 0.39 m
-(right) behind the controller and 0.09 m above its axis, so that a forearm of 0.26 m leaves about 0.10 m from
-the wrist to the controller, which points 13 to 17 degrees above the forearm. The headset's cannot be measured
-from three trackers: anthropometry.
+Measured on real recordings. Headset: somebody who looks down, up, left and right on the spot, wearing a Quest
+2, turns the head about a point 0.07 m behind and 0.09 m below the headset. Controllers: with the wrist taken
+as stiff, the elbow is the point in a controller's frame that keeps its distance from the shoulder; with Vive
+wands it lies 0.33 m (left) and 0.39 m (right) behind the controller and 0.09 m above its axis. A forearm of
+0.26 m leaves about 0.10 m from wrist to controller, which points 13 to 17 degrees above the forearm.
 """

@@ -47,6 +47,8 @@ class RawRecording:
     mounts: Mounts = DEVICE_MOUNTS
     eye_height: float | None = None
     """Calibrated eye height in metres where the file states it."""
+    states_validity: bool = False
+    """Whether the file tells itself when a tracker was lost; otherwise that is guessed."""
     on_floor: bool = True
     """Whether heights are above the floor; otherwise they are relative to an unknown place."""
 

@@ -16,6 +16,7 @@ from .timeline import Samples, even_out, fill_pauses, join
 
 _NAMES = ("headset", "left controller", "right controller")
 _FROZEN_S = 0.5
+_LONG_FROZEN_S = 5.0
 _MOVED_M = 0.001
 _JUMP_SPEEDS = (10.0, 40.0, 40.0)
 """m/s that head and hands do not reach: a fast punch is 15, a swung wand's end 30."""
@@ -59,8 +60,9 @@ def repair(raw: RawRecording, file: str) -> Repaired:
     samples, jitter = even_out(join((head, left, right)))
     samples, pauses = fill_pauses(samples, file)
     repairs += [note for note in (jitter, pauses) if note]
-    samples, faults, doubts = _mark_faults(samples)
-    return Repaired(_bridge(samples), (*repairs, *faults), (*doubts, *_losses(samples)))
+    samples, frozen, still = _mark_frozen(samples, raw.states_validity)
+    samples, glitches, jumps = _mark_jumps(samples)
+    return Repaired(_bridge(samples), (*repairs, *frozen, *glitches), (*still, *jumps, *_losses(samples)))
 
 
 def _told(notes: list[str]) -> list[str]:
@@ -70,27 +72,43 @@ def _told(notes: list[str]) -> list[str]:
     return [f"{name}: {note}" for name, note in zip(_NAMES, notes, strict=True) if note]
 
 
-def _mark_faults(samples: Samples) -> tuple[Samples, list[str], list[str]]:
-    """The samples with faulty ones no longer valid; lines on repairs and on doubts."""
-    repairs: list[str] = []
+def _mark_frozen(samples: Samples, believe: bool) -> tuple[Samples, list[str], list[str]]:
+    """The samples without sleeping trackers' ones; lines on repairs and on doubts.
+
+    Args:
+        samples: all trackers.
+        believe: whether the file tells itself when a tracker slept; then a still one is only doubted.
+    """
+    flags = np.stack([_frozen(samples, i) for i in range(len(_NAMES))], axis=1)
+    seconds = [_seconds(samples, column) for column in flags.T]
+    if believe:
+        still = [
+            f"{name} stands exactly still for {stood:.1f} s: if it slept, set its valid column to 0"
+            for name, stood in zip(_NAMES, seconds, strict=True)
+            if stood > _LONG_FROZEN_S
+        ]
+        return samples, [], still
+    notes = [f"{stood:.2f} s frozen, asleep or out of sight" if stood else "" for stood in seconds]
+    return replace(samples, valid=samples.valid & ~flags), _told(notes), []
+
+
+def _mark_jumps(samples: Samples) -> tuple[Samples, list[str], list[str]]:
+    """The samples without those off the path and before jumps for good; lines on repairs and on doubts."""
+    notes: list[str] = []
     doubts: list[str] = []
     valid = samples.valid.copy()
     for i, name in enumerate(_NAMES):
-        frozen = _frozen(samples, i)
         glitches, jumps = _jumps(samples, i)
-        if frozen.any():
-            repairs.append(f"{name}: {_seconds(samples, frozen):.2f} s frozen, asleep or out of sight")
-        if glitches.any():
-            repairs.append(f"{name}: {_seconds(samples, glitches):.2f} s off its path")
+        notes.append(f"{_seconds(samples, glitches):.2f} s off its path" if glitches.any() else "")
         if len(jumps):
             first = samples.times[jumps[0]]
             times = "once" if len(jumps) == 1 else f"{len(jumps)} times"
             doubts.append(f"{name} jumps {times}, first at {first:.2f} s: {_JUMP_ADVICE[i > 0]}")
-        valid[:, i] &= ~(frozen | glitches)
+        valid[glitches, i] = False
         if i > 0:
             for end in samples.times[jumps]:
                 valid[(samples.times > end - _DRIFT_S) & (samples.times <= end), i] = False
-    return replace(samples, valid=valid), repairs, doubts
+    return replace(samples, valid=valid), _told(notes), doubts
 
 
 def _samples(count: int) -> str:

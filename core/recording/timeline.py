@@ -137,7 +137,7 @@ def fill_pauses(samples: Samples, file: str) -> tuple[Samples, str]:
         raise InputError(
             f"{file}: time jumps by {steps[longest]:.0f} s after {times[longest]:.2f} s; cut it there"
         )
-    counts = np.ceil(steps[gaps] / np.median(steps)).astype(np.intp) - 1
+    counts = np.round(steps[gaps] / np.median(steps)).astype(np.intp) - 1
     inside: list[Array] = [
         np.linspace(times[g], times[g + 1], n + 2)[1:-1] for g, n in zip(gaps, counts, strict=True)
     ]
