@@ -20,11 +20,13 @@ from .retarget import spine
 
 Array = NDArray[np.floating[Any]]
 
-_HELP_FROM = 0.93
+_HELP_FROM = 0.88
 """Share of the arm's length from which the clavicle helps."""
-_HELP_SOFT = 0.02
+_HELP_SOFT = 0.04
 """Metres over which its help sets in."""
-_HELP_MOST = np.radians(25.0)
+_HELP_MOST = np.radians(30.0)
+_SLACK = 0.9e-3
+"""Metres by which an arm stays short of straight: an elbow that locks snaps."""
 _ELBOW = np.array([0.4, -0.4, -0.85])
 """Where an elbow likes to be, seen from the line between shoulder and wrist: outward, back and down."""
 _FROM_HAND, _FROM_MOTION = 0.5, 0.4
@@ -91,12 +93,16 @@ def _reach(
 
     line = two_bone.unit(target - shoulder)
     aim = _elbow_aim(motion.fps, side, line, turns[:, chest], hand, limb)
-    mid, end, reached = two_bone.triangle(upper, lower, target - shoulder, aim)
+    way, length = target - shoulder, upper + lower
+    distance = np.linalg.norm(way, axis=-1)
+    held = np.minimum(1.0, (length - _SLACK) / np.maximum(distance, 1e-9))[:, None]
+    mid, end, _ = two_bone.triangle(upper, lower, way * held, aim)
     arm = _hinge(turns[:, joints[0]], bones[:, 0], mid, aim)
     forearm = _hinge(turns[:, joints[1]], bones[:, 1], end - mid, aim)
     wanted |= {joints[0]: arm, joints[1]: _twisted(forearm, end - mid, hand), joints[2]: hand}
     solved = with_world_rotations(motion, wanted)
-    return _blend(motion, solved, list(wanted), validity.weights(valid, motion.fps)), ~reached
+    missed = (distance > length) | (distance < np.abs(upper - lower) - 1e-3)
+    return _blend(motion, solved, list(wanted), validity.weights(valid, motion.fps)), missed
 
 
 def _through_gaps(

@@ -1,0 +1,159 @@
+"""A foot pitched about its toe: the heel off the floor, and up where the leg is too short; the toe's tip
+up."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
+
+from ..maths import filters, quat
+from .two_bone import unit
+
+Array = NDArray[np.floating[Any]]
+
+_STRAIGHT = 0.998
+"""Share of a leg's length to which it is stretched before the heel rises."""
+_STEEPEST = np.radians(95.0)
+"""Greatest angle over the ground from the toe back to the ankle."""
+_HEEL = 1.35
+"""Distance over the ground from toe to heel as a multiple of that from toe to ankle."""
+_PEAK_S = 0.03
+"""Standard deviation in seconds of the smoothing of a heel's rise."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pitch:
+    """Where an ankle is, seen from the toe, in the upright plane along the foot.
+
+    Pitching the foot moves the ankle on a circle in that plane: at angle a it is `radius` (cos a back + sin
+    a up) from the toe, and `aside` to the right.
+    """
+
+    back: Array
+    """`(T, 3)` level unit vectors from toe to heel."""
+    right: Array
+    """`(T, 3)` level unit vectors."""
+    angle: Array
+    """`(T,)` radians."""
+    radius: Array
+    """`(T,)` metres."""
+    aside: Array
+    """`(T,)` metres."""
+
+    def nearest(self, hips: Array, toes: Array) -> Array:
+        """Least distance `(T,)` in metres from a thigh joint to the ankle that pitching the foot can give.
+
+        Args:
+            hips: `(T, 3)` thigh joints.
+            toes: `(T, 3)` or `(3,)`.
+        """
+        w = hips - toes
+        along, up = np.sum(w * self.back, axis=-1), w[..., 2]
+        angle = np.clip(np.arctan2(up, along), self.angle, np.maximum(self.angle, _STEEPEST))
+        meeting = self.radius * (along * np.cos(angle) + up * np.sin(angle))
+        meeting += np.sum(w * self.right, axis=-1) * self.aside
+        square = np.sum(w * w, axis=-1) + self.radius**2 + self.aside**2 - 2.0 * meeting
+        return np.sqrt(np.maximum(square, 0.0))
+
+    def reaching(self, hips: Array, toes: Array, length: float) -> Array:
+        """Least angle `(T,)` at which the ankle is no farther than `length` from the thigh joint, or
+        nearest to it.
+
+        With w from the toe to the thigh joint and r the radius, w.(cos a, sin a) >= (w^2 + r^2 - length^2)
+        / 2r.
+        """
+        w = hips - toes
+        along, up = np.sum(w * self.back, axis=-1), w[..., 2]
+        across = np.sum(w * self.right, axis=-1) * self.aside
+        needed = np.sum(w * w, axis=-1) + self.radius**2 + self.aside**2 - length**2 - 2.0 * across
+        cosine = needed / np.maximum(2.0 * self.radius * np.hypot(along, up), 1e-9)
+        return np.arctan2(up, along) - np.arccos(np.clip(cosine, -1.0, 1.0))
+
+
+def pitch_of(rotations: Array, foot_to_toe: Array) -> Pitch:
+    """The pitch of a foot.
+
+    Args:
+        rotations: `(T, 4)` world rotations of the foot joint.
+        foot_to_toe: `(3,)` from foot joint to toe in T-pose, metres.
+    """
+    away = -quat.rotate(rotations, foot_to_toe)
+    right = unit(quat.rotate(rotations, np.array([1.0, 0.0, 0.0])) * np.array([1.0, 1.0, 0.0]))
+    back = np.stack([right[:, 1], -right[:, 0], np.zeros(len(right))], axis=-1)
+    level = np.sum(away * back, axis=-1)
+    return Pitch(
+        back, right, np.arctan2(away[:, 2], level), np.hypot(level, away[:, 2]), np.sum(away * right, axis=-1)
+    )
+
+
+def longest(length: float) -> float:
+    """How far an ankle may be from the thigh joint before its heel rises, of a leg's length in metres."""
+    return _STRAIGHT * length
+
+
+def raise_heel(
+    rotations: Array,
+    foot_to_toe: Array,
+    rest_height: float,
+    toes: Array,
+    hips: Array,
+    length: float,
+    fps: float,
+) -> Array:
+    """World rotations `(T, 4)` of a foot whose heel stays off the floor and rises where the leg is too short.
+
+    Args:
+        rotations: `(T, 4)` world rotations of the foot joint.
+        foot_to_toe: `(3,)` from foot joint to toe in T-pose, metres.
+        rest_height: of the toe over the floor in T-pose, metres.
+        toes: `(T, 3)` where the toe is.
+        hips: `(T, 3)` thigh joints.
+        length: of the leg, metres.
+        fps: frames per second.
+    """
+    pitch = pitch_of(rotations, foot_to_toe)
+    reaching = np.minimum(pitch.reaching(hips, toes, longest(length)), np.maximum(pitch.angle, _STEEPEST))
+    wanted = np.maximum(_least_pitch(foot_to_toe, rest_height, toes[:, 2]), reaching)
+    lift = _smooth_peaks(np.maximum(wanted - pitch.angle, 0.0), fps)
+    return quat.multiply(quat.from_rotation_vector(-pitch.right * lift[:, None]), rotations)
+
+
+def raise_tip(rotations: Array, tip: Array, heights: Array, rest_height: float) -> Array:
+    """World rotations `(T, 4)` of a toe, bent up where its tip would be lower than in T-pose.
+
+    Args:
+        rotations: `(T, 4)` world rotations of the toe joint.
+        tip: `(3,)` from the toe joint to the end of its bone in T-pose, metres.
+        heights: `(T,)` of the toe joint over the floor, metres.
+        rest_height: the same in T-pose.
+    """
+    right = unit(quat.rotate(rotations, np.array([1.0, 0.0, 0.0])) * np.array([1.0, 1.0, 0.0]))
+    forward = np.stack([-right[:, 1], right[:, 0], np.zeros(len(right))], axis=-1)
+    end = quat.rotate(rotations, tip)
+    along = np.sum(end * forward, axis=-1)
+    lowest = max(rest_height + float(tip[2]), 0.0) - heights
+    needed = np.arcsin(np.clip(lowest / np.maximum(np.hypot(along, end[:, 2]), 1e-9), -1.0, 1.0))
+    lift = np.maximum(needed - np.arctan2(end[:, 2], along), 0.0)
+    return quat.multiply(quat.from_rotation_vector(right * lift[:, None]), rotations)
+
+
+def _least_pitch(foot_to_toe: Array, rest_height: float, heights: Array) -> Array:
+    """Least angle `(T,)` from toe to ankle at which the heel, on the floor in T-pose, is not below it."""
+    _, back, up = foot_to_toe
+    reach = _HEEL * back
+    sine = np.clip(-heights / max(float(np.hypot(reach, rest_height)), 1e-9), -1.0, 1.0)
+    return np.arctan2(-up, back) + np.arcsin(sine) + np.arctan2(rest_height, reach)
+
+
+def _smooth_peaks(values: Array, fps: float) -> Array:
+    """A smooth curve `(T,)` on or above non-negative `values`, which rises before and falls after them."""
+    sigma = _PEAK_S * fps
+    half = int(np.ceil(4.0 * sigma))
+    if not values.any():
+        return values
+    widest = sliding_window_view(np.pad(values, half, mode="edge"), 2 * half + 1).max(axis=-1)
+    return filters.gaussian(widest, sigma)
