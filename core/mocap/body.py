@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..maths import quat
 from .bvh import BvhFile, global_transforms, local_transforms
-from .skeleton import SIDES, SPINE
+from .skeleton import SIDES
 
 Array = NDArray[np.floating[Any]]
 
@@ -92,12 +92,13 @@ def reduce_to_body(bvh: BvhFile, roles: tuple[str, ...]) -> Body:
     inner = {joint: k for k, joint in enumerate(joints)}
     inner_parents = np.array([inner.get(parents[joint], -1) for joint in joints], dtype=np.intp)
     rotations = global_r[:, body]
+    held = {parents[joint] for joint in joints}
     return Body(
         names=tuple(bvh.names[joint] for joint in joints),
         roles=tuple(roles[joint] for joint in joints),
         parents=inner_parents,
         offsets=offsets,
-        tips=np.array([_tip(bvh, joint, roles[joint]) for joint in joints]),
+        tips=np.array([_tip(bvh, joint, roles[joint], leaf=joint not in held) for joint in joints]),
         positions=chain_positions(global_p[:, body[0]], rotations, offsets, inner_parents),
         rotations=rotations,
         slide=slide,
@@ -178,10 +179,10 @@ def _kept(parents: list[int], roles: tuple[str, ...]) -> tuple[set[int], set[int
     return kept, above
 
 
-def _tip(bvh: BvhFile, joint: int, role: str) -> Array:
+def _tip(bvh: BvhFile, joint: int, role: str, *, leaf: bool) -> Array:
     """The end of a leaf's bone: its end site, or for hands, feet and toes the mean of the joints on it."""
     part = role.partition(".")[0]
-    if part in ("hips", *SPINE, ""):
+    if not leaf:
         return np.zeros(3)
     ends = bvh.end_sites[bvh.end_parents == joint]
     if part in ("hand", "foot", "toe") and not ends.any():

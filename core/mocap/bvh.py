@@ -1,7 +1,7 @@
 """BVH files as they stand: file units, file axes, every channel; reading, writing and forward kinematics.
 
-The format: Biovision's hierarchy and motion text file. A joint's position channels replace its offset, as in
-Blender's importer, MotionBuilder and the data sets in use; an axis without a channel keeps the offset's value.
+The format: Biovision's hierarchy and motion text file. A joint's position channels replace its offset, as
+in Blender's importer, MotionBuilder and the data sets in use; an axis without a channel keeps its offset.
 """
 
 from __future__ import annotations
@@ -119,13 +119,9 @@ def write_bvh(path: str | os.PathLike[str], bvh: BvhFile) -> None:
 
 def format_bvh(bvh: BvhFile) -> str:
     """The text of a BVH file: every number by its shortest exact form."""
-    children: list[list[int]] = [[] for _ in bvh.names]
-    ends: list[list[int]] = [[] for _ in bvh.names]
-    for joint, parent in enumerate(bvh.parents.tolist()):
-        if parent >= 0:
-            children[parent].append(joint)
-    for end, parent in enumerate(bvh.end_parents.tolist()):
-        ends[parent].append(end)
+    count = len(bvh.names)
+    children = [np.flatnonzero(bvh.parents == joint).tolist() for joint in range(count)]
+    ends = [np.flatnonzero(bvh.end_parents == joint).tolist() for joint in range(count)]
     lines = ["HIERARCHY"]
     todo: list[tuple[int, int]] = [(0, 0)]
     while todo:
@@ -172,7 +168,7 @@ def local_transforms(bvh: BvhFile, joints: NDArray[np.intp] | None = None) -> tu
 
 
 def global_transforms(positions: Array, rotations: Array, parents: NDArray[np.intp]) -> tuple[Array, Array]:
-    """Global positions `(T, K, 3)` and rotations `(T, K, 4)` of local ones; `parents` come before children."""
+    """Global positions `(T, K, 3)` and rotations `(T, K, 4)` of local ones, parents before children."""
     out_p, out_r = positions.copy(), rotations.copy()
     for joint, parent in enumerate(parents.tolist()):
         if parent >= 0:

@@ -66,7 +66,7 @@ def parse_header(data: bytes, file: str) -> Header:
     Raises:
         InputError: broken; names the line.
     """
-    # latin-1 keeps one character for each byte, so positions are byte positions; names are decoded on their own
+    # latin-1 keeps one character for each byte, so positions are byte positions; names are decoded later
     return _Scanner(data[: header_end(data)].decode("latin-1"), file).header()
 
 

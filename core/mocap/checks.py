@@ -37,7 +37,7 @@ def heading_parts(motion: Motion) -> Array | None:
 
 
 def arm_jumps(motion: Motion) -> NDArray[np.intp]:
-    """Frames at which an arm joint's local rotation has turned by more than 40 degrees since the frame before."""
+    """Frames at which an arm joint has turned by more than 40 degrees since the frame before."""
     skeleton = motion.skeleton
     roles = [f"{part}.{side}" for side in SIDES for part in ARM if f"{part}.{side}" in skeleton.roles]
     arms = motion.rotations[:, [skeleton.joint(role) for role in roles]]

@@ -37,8 +37,8 @@ def resample(motion: Motion, fps: float) -> Motion:
 def mirror(motion: Motion) -> Motion:
     """The mirror image in the plane X = 0: what the left side did, the right side does.
 
-    Joint names, order and roles stay; offsets are mirrored too, so a skeleton that is not symmetric becomes its own
-    mirror image. Mirroring twice gives the motion back, bit for bit.
+    Joint names, order and roles stay; offsets are mirrored too, so a skeleton that is not symmetric becomes
+    its own mirror image. Mirroring twice gives the motion back, bit for bit.
 
     Raises:
         InputError: left and right differ in their joints.

@@ -17,7 +17,7 @@ _SLOW = 0.25
 _LAYER = 0.04
 """Metres: standing heights within this of the lowest ones are the floor, others are steps and boxes."""
 _BELOW, _ABOVE = -0.025, 0.05
-"""Metres: joints of a standing foot are not under the floor, and not farther above it than a sole is thick."""
+"""Metres: joints of a standing foot are not under the floor, nor farther above it than a sole is thick."""
 
 
 def foot_bottoms(skeleton: Skeleton, positions: Array, rotations: Array) -> Array:

@@ -1,7 +1,7 @@
 """Humanoid joint roles, found by matching whole naming presets with a check of the hierarchy.
 
-"LeftShoulder" is an upper arm for Xsens and a collar bone for Mixamo, so no name is ever taken alone: a preset
-fits only where all joints that a body needs bear its names and hang on each other as limbs do.
+"LeftShoulder" is an upper arm for Xsens and a collar bone for Mixamo, so no name is ever taken alone: a
+preset fits only where all joints that a body needs bear its names and hang on each other as limbs do.
 """
 
 from __future__ import annotations

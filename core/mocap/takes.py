@@ -26,6 +26,10 @@ Array = NDArray[np.floating[Any]]
 
 _TPOSE_FRAME = np.radians(25.0)
 """A first frame whose limbs are this near to T-pose is one."""
+_THROWN = 6.0
+"""m/s: a body that leaves a T-pose faster than this was put there by a program."""
+_LEAD_OUT_S = 0.1
+"""Some converters smooth the jump from the T-pose over a few frames, no more than this."""
 _SLIDE = 0.01
 """Metres that a joint may move against its parent before it is mentioned."""
 
@@ -50,10 +54,10 @@ def take_from_bvh(bvh: BvhFile, fps: float | None = None) -> Take:
     rate = frame_rate(bvh.frame_time)
     length = f"{len(bvh)} frames, {len(bvh) / rate:.1f} s"
     notes.found["rate"] = f"{rate:g} fps (frame time {bvh.frame_time:g} s), {length}"
-    cut, rest = _first_frame(body, notes)
-    tpose = _find_tpose(body, rest, cut, rate, notes)
+    cut, in_tpose = _first_frame(body, rate, notes)
+    tpose = _find_tpose(body, in_tpose, cut, rate, notes)
     motion = _on_floor(to_motion(body.frames(cut), tpose, rate), notes)
-    _check(motion, body, notes)
+    _check(motion, cut, notes)
     if fps is not None and fps != rate:
         motion = resample(motion, fps)
         notes.found["resampled"] = f"to {fps:g} fps, {len(motion)} frames"
@@ -80,7 +84,7 @@ def frame_rate(frame_time: float) -> float:
 
 
 def to_motion(body: Body, tpose: Array, fps: float) -> Motion:
-    """Rotations since T-pose: a change of basis that moves no joint. The T-pose's lowest joint is at height 0."""
+    """Rotations since T-pose: a change of basis that moves no joint. The hips' own offset is left at 0."""
     offsets = quat.rotate(tpose[np.maximum(body.parents, 0)], body.offsets)
     offsets[0] = 0.0
     since = quat.multiply(body.rotations, quat.conjugate(tpose))
@@ -131,20 +135,20 @@ def _read_body(bvh: BvhFile, notes: _Notes) -> Body:
     return body
 
 
-def _first_frame(body: Body, notes: _Notes) -> tuple[int, bool]:
+def _first_frame(body: Body, fps: float, notes: _Notes) -> tuple[int, bool]:
     """How many frames to cut at the start, and whether the first one shows a T-pose."""
-    positions = body.positions
-    if not looks_like_tpose(body.roles, positions[0], _TPOSE_FRAME):
+    if not looks_like_tpose(body.roles, body.positions[0], _TPOSE_FRAME):
         return 0, False
-    if len(positions) < 3:
+    half_second = max(int(0.5 * fps), 2)
+    speeds = np.linalg.norm(np.diff(body.positions[: 2 * half_second], axis=0), axis=-1).max(axis=1) * fps
+    if len(speeds) < 2 or speeds[0] < max(_THROWN, 3.0 * float(np.median(speeds[1:]))):
         notes.found["first frame"] = "T-pose"
         return 0, True
-    steps = np.linalg.norm(np.diff(positions[:30], axis=0), axis=-1).max(axis=1)
-    if steps[0] > 0.1 and steps[0] > 3.0 * steps[1:].max():
-        notes.found["first frame"] = "T-pose, cut"
-        return 1, True
-    notes.found["first frame"] = "T-pose from which the motion goes on, kept"
-    return 0, True
+    cut, last = 1, min(int(_LEAD_OUT_S * fps), len(speeds))
+    while cut < last and speeds[cut] > max(2.0, 1.5 * float(np.median(speeds[cut : cut + half_second]))):
+        cut += 1
+    notes.found["first frame"] = f"T-pose, cut ({cut} frame{'s' * (cut > 1)})"
+    return cut, True
 
 
 def _find_tpose(body: Body, first_frame: bool, cut: int, fps: float, notes: _Notes) -> Array:
@@ -190,8 +194,8 @@ def _on_floor(motion: Motion, notes: _Notes) -> Motion:
     return replace(motion, skeleton=replace(skeleton, offsets=offsets), positions=positions)
 
 
-def _check(motion: Motion, body: Body, notes: _Notes) -> None:
-    """Compare the motion with what people do."""
+def _check(motion: Motion, cut: int, notes: _Notes) -> None:
+    """Compare the motion with what people do; frames are told as the file counts them, from 0."""
     aside = checks.toes_aside(motion) if len(motion) > 1 else None
     way, seconds = checks.walking_aside(motion)
     walked = f"; walks {np.degrees(way):.0f} degrees off it for {seconds:.1f} s" if seconds > 1.0 else ""
@@ -206,13 +210,13 @@ def _check(motion: Motion, body: Body, notes: _Notes) -> None:
     if parts is not None and np.abs(parts).max() > checks.DRIFT:
         listed = " ".join(f"{value:.0f}" for value in np.degrees(parts))
         notes.doubts.append(
-            f"drift: the head's heading parts from the hips' by {listed} degrees over the take's {len(parts)} "
-            "parts; leave it out of orientation training"
+            f"drift: the head's heading parts from the hips' by {listed} degrees over the take's "
+            f"{len(parts)} parts; leave it out of orientation training"
         )
-    jumps = checks.arm_jumps(motion)
+    jumps = checks.arm_jumps(motion) + cut
     if len(jumps):
         notes.doubts.append(f"arms jump by more than 40 degrees in one frame, at {_frames(jumps)}")
-    jumps = checks.hips_jumps(motion)
+    jumps = checks.hips_jumps(motion) + cut
     if len(jumps):
         notes.doubts.append(f"the hips jump at {_frames(jumps)}: dropped frames or a splice")
 

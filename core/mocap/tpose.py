@@ -1,8 +1,8 @@
 """The canonical T-pose of any humanoid skeleton: the rotation of every joint when the body stands in T-pose.
 
-Where the skeleton's own zero or rest pose is near a T- or A-pose, that pose is taken and its limbs straightened.
-Where it is not (every bone along one axis, legs pointing up), the pose that the data shows most is taken instead
-and straightened likewise, which keeps the natural twist of the limbs: arms that hang are lifted sideways.
+Where the skeleton's own zero or rest pose is near a T- or A-pose, that pose is taken and its limbs are
+straightened. Where it is not (every bone along one axis, legs pointing up), the pose that the data shows most
+is taken instead and straightened likewise, which keeps the limbs' natural twist: hanging arms are lifted.
 """
 
 from __future__ import annotations
@@ -169,7 +169,7 @@ class _Body:
         return quat.multiply(self.out[p], quat.multiply(rest, near if _turn(near, turn) < _SNAP else turn))
 
     def _level(self, j: int, candidate: Array) -> Array:
-        """A foot with its sole level: as planted in the data, as carried by the shin, or as in the rest pose."""
+        """A foot with its sole level: as planted in the data, carried by the shin, or as in the rest pose."""
         flat = quat.multiply(self.out[0], _relative(self.rest, 0, j))
         if self.typical is None:
             return flat
@@ -197,18 +197,20 @@ class _Body:
         """Head, hands, toes and joints without a role: the rest pose, unless the data belies it."""
         if self.typical is None:
             return candidate
-        other = self._on_parent(j, self.typical)
         if part == "toe":
             # flat as the foot is
-            return other if int(self.parents[j]) in self.doubtful else candidate
-        return candidate if _turn(other, candidate) < NEAR else other
+            return self._on_parent(j, self.typical) if int(self.parents[j]) in self.doubtful else candidate
+        far = self.doubtful and _turn(self._on_parent(j, self.typical), candidate) > NEAR
+        return self._snapped(j, self.typical) if far else candidate
 
     def _is_far(self, j: int, part: str, angle: float) -> bool:
-        """Whether the rest pose tells nothing: the bone points elsewhere, or the trunk is never like that."""
-        if angle > NEAR or self.typical is None:
+        """Whether the rest pose tells nothing: the bone points elsewhere, or is twisted as it never is."""
+        if angle > NEAR or self.typical is None or part not in (*SPINE, "neck", "clavicle"):
             return angle > NEAR
-        trunk = part in (*SPINE, "neck", "clavicle")
-        return trunk and _turn(self._on_parent(j, self.typical), self._on_parent(j, self.rest)) > NEAR
+        turn = quat.multiply(self._on_parent(j, self.typical), quat.conjugate(self._on_parent(j, self.rest)))
+        # backs bend, but do not twist by as much; collar bones do neither
+        across = quat.rotate(turn, FORWARD if part == "clavicle" else RIGHT) * (1.0, 1.0, 0.0)
+        return _angle(across, FORWARD if part == "clavicle" else RIGHT) > NEAR
 
     def _hips(self) -> Array:
         """Facing +Y, thighs side by side; level as in the rest pose if that stands, else as in the data."""

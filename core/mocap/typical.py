@@ -24,8 +24,8 @@ _PLANTED = 0.25
 def typical_pose(body: Body, fps: float) -> Array | None:
     """Global rotations `(J, 4)` of the body's mean pose while upright, facing +Y; None for a single frame.
 
-    Each joint has its mean rotation against its parent (chordal mean, Markley et al. 2007), the hips their mean
-    tilt. Feet have their mean tilt while planted, pointing forward, and toes their mean against such feet.
+    Each joint has its mean rotation against its parent (chordal mean, Markley et al. 2007), the hips their
+    mean tilt. Feet have their mean tilt while planted, pointing forward, and toes their mean on such feet.
     """
     positions = body.positions
     count = len(positions)

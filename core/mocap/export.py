@@ -1,0 +1,52 @@
+"""Motions written as BVH in the axes of Xsens files: Y up, centimetres, T-pose at zero facing +Z."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..maths import quat
+from .bvh import BvhFile
+from .skeleton import Motion
+
+Array = NDArray[np.floating[Any]]
+
+_TO_Y_UP = quat.from_axis("X", -np.pi / 2)
+"""From Blender's world to a world with Y up, as Blender's own BVH exporter turns it."""
+_FACING_Z = quat.multiply(_TO_Y_UP, quat.from_yaw(np.pi))
+"""The same for a body in T-pose, which then faces +Z."""
+_ORDER = "YXZ"
+_TURNS = tuple(f"{axis}rotation" for axis in _ORDER)
+_CENTIMETRES = 100.0
+
+
+def to_bvh(motion: Motion, name: str) -> BvhFile:
+    """The motion as a BVH file, readable by Blender's importer (as it is set) and by `load_take`.
+
+    Args:
+        motion: what to write.
+        name: file name for the result.
+    """
+    skeleton = motion.skeleton
+    turns = quat.multiply(quat.multiply(_FACING_Z, motion.rotations), quat.conjugate(_FACING_Z))
+    # the hips' rotation is global: it starts from T-pose axes, but ends in the world's
+    turns[:, 0] = quat.multiply(quat.multiply(_TO_Y_UP, motion.rotations[:, 0]), quat.conjugate(_FACING_Z))
+    angles = np.degrees(quat.to_euler(turns, _ORDER))
+    hips = quat.rotate(_TO_Y_UP, motion.positions) * _CENTIMETRES
+    offsets = quat.rotate(_FACING_Z, skeleton.offsets) * _CENTIMETRES
+    offsets[0] = 0.0
+    leaves = np.setdiff1d(np.arange(len(skeleton)), skeleton.parents)
+    return BvhFile(
+        names=skeleton.names,
+        parents=skeleton.parents,
+        offsets=offsets,
+        channels=(("Xposition", "Yposition", "Zposition", *_TURNS), *(_TURNS,) * (len(skeleton) - 1)),
+        end_sites=quat.rotate(_FACING_Z, skeleton.tips[leaves]) * _CENTIMETRES,
+        end_parents=leaves,
+        frame_time=1.0 / motion.fps,
+        values=np.concatenate([hips, angles.reshape(len(motion), -1)], axis=1),
+        file=name,
+        sha256="",
+    )
