@@ -26,6 +26,8 @@ _CHEST_SHARE = 0.18
 """Share of the head's turn that reaches the chest; the neck lies half way between chest and head."""
 _SLOW_S = 0.35
 """Standard deviation in seconds of the smoothing that tells the body's own drift from a lean."""
+_LEAN_S = 0.08
+"""The same for what the spine leaves to the hips: jitter."""
 _BEND = np.radians(20.0)
 """Greatest bend of the spine towards the head."""
 _STOOP_FROM, _STOOP = 0.05, 0.9
@@ -64,7 +66,7 @@ def place_head(
     error = target - chain.head()
     moved = filters.gaussian(error[:, :2], _SLOW_S * motion.fps)
     chain.stoop(_stoop(motion, chain, error))
-    chain.bend(error[:, :2] - moved)
+    chain.bend(filters.gaussian(error[:, :2] - moved, _LEAN_S * motion.fps))
     hips = motion.positions + target - chain.head()
     hips[:, 2] = np.maximum(hips[:, 2], np.minimum(_lowest(motion), motion.positions[:, 2]))
     joints = dict(zip(chain.joints, chain.rotations, strict=True))

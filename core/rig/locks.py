@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.floating[Any]]
 
 _SHORTEST_S = 0.1
-"""A contact shorter than this holds no foot."""
+"""A contact shorter than this holds no foot, a gap shorter than this lets none go."""
 _STEP_S = 0.25
 """Length of the step by which a foot follows a motion that left its lock behind."""
 _LIFT = 0.12
@@ -50,6 +50,9 @@ def find_locks(
     """
     shortest, step = max(2, round(_SHORTEST_S * fps)), max(2, round(_STEP_S * fps))
     edges = np.flatnonzero(np.diff(contacts, prepend=False, append=False))
+    if len(edges) > 2:
+        short = np.flatnonzero(edges[2::2] - edges[1:-1:2] < shortest)
+        edges = np.delete(edges, np.concatenate([2 * short + 1, 2 * short + 2]))
     locks: list[Lock] = []
     for first, stop in edges.reshape(-1, 2).tolist():
         begin, steps = first, False
