@@ -16,8 +16,8 @@ from ..jobs import Job
 from ..mocap.edit import cut, mirror, resample
 from ..mocap.skeleton import Motion, Skeleton, Take
 from ..recording.mounts import SIMULATED_MOUNTS
-from ..rig.retarget import retarget
 from ..settings import DatabaseSettings, check
+from .carry import carry_over
 from .clips import Exclusion, check_exclusions, kept_ranges
 from .contacts import find_contacts, toe_positions
 from .features import clip_features, horizon_frames, normalize_features
@@ -29,8 +29,6 @@ Array = NDArray[np.floating[Any]]
 
 _LEAST_VALID_FRAMES = 5
 """A clip must hold so many frames that the search can find."""
-_SAME_PLACE = 1e-4
-"""Metres: bones that differ less are the same."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,12 +77,12 @@ def build_database(
     skipped: list[str] = []
     for i, take in enumerate(takes):
         yield i / len(takes), f"Features of {take.name}"
-        motion = _at_home(take.motion, skeleton, settings.fps)
+        motion = carry_over(resample(take.motion, settings.fps), skeleton)
         for clip in _clips(take, motion, exclude, skipped):
             part = cut(motion, clip.start, clip.stop)
             pieces.append(_piece(clip, part, settings))
             if settings.mirror:
-                image = replace(mirror(part), skeleton=skeleton)
+                image = carry_over(mirror(part), skeleton)
                 mirrored.append(_piece(replace(clip, mirrored=True), image, settings))
     pieces += mirrored
     if not pieces:
@@ -105,23 +103,6 @@ def build_database(
         height_range=(settings.height_low, settings.height_high),
         tags=tuple(tags),
         provenance=_provenance(takes, settings, exclude, skipped),
-    )
-
-
-def _at_home(motion: Motion, skeleton: Skeleton, fps: float) -> Motion:
-    """The motion at the database's rate on its skeleton."""
-    motion = resample(motion, fps)
-    if _same_bones(motion.skeleton, skeleton):
-        return replace(motion, skeleton=skeleton)
-    return retarget(motion, skeleton)
-
-
-def _same_bones(a: Skeleton, b: Skeleton) -> bool:
-    """Whether rotations and hips positions of one mean the same pose on the other."""
-    return (
-        a.roles == b.roles
-        and np.array_equal(a.parents, b.parents)
-        and (np.allclose(a.offsets[1:], b.offsets[1:], rtol=0.0, atol=_SAME_PLACE))
     )
 
 

@@ -38,8 +38,12 @@ def toe_places(skeleton: Skeleton) -> tuple[NDArray[np.intp], Array]:
 
 def toe_positions(motion: Motion) -> Array:
     """World positions `(T, 2, 3)` of the left and the right toe, metres (see `toe_places`)."""
-    positions, rotations = motion.forward()
-    joints, offsets = toe_places(motion.skeleton)
+    return place_toes(motion.skeleton, *motion.forward())
+
+
+def place_toes(skeleton: Skeleton, positions: Array, rotations: Array) -> Array:
+    """The same from global joint positions `(T, J, 3)` and rotations `(T, J, 4)`."""
+    joints, offsets = toe_places(skeleton)
     return positions[:, joints] + quat.rotate(rotations[:, joints], offsets)
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..maths import angles, kinematics, quat
 from ..mocap.skeleton import Motion
 from ..recording.mounts import SIMULATED_MOUNTS
-from .contacts import toe_positions
+from .contacts import place_toes
 from .motion_database import Clip, MotionDatabase
 
 Array = NDArray[np.floating[Any]]
@@ -33,6 +33,9 @@ def describe_database(database: MotionDatabase) -> dict[str, Any]:
     `coverage.frames` counts frames by direction, speed and turning. `foot_skate_cm_s` is the mean horizontal
     toe speed in contact: no bake on this database can be expected to skate less before feet are locked.
     """
+    positions, rotations = _in_root_space(database).forward()
+    ratios = _headset_heights(database, positions, rotations) / database.eye_height
+    toes = place_toes(database.skeleton, positions, rotations)
     return {
         "name": database.name,
         "frames": len(database),
@@ -42,13 +45,13 @@ def describe_database(database: MotionDatabase) -> dict[str, Any]:
         "joints": len(database.skeleton),
         "eye_height_m": round(database.eye_height, 4),
         "height_range": list(database.height_range),
-        "suggested_height_range": list(suggest_height_range(database)),
+        "suggested_height_range": list(_kept_range(ratios)),
         "tags": list(database.tags),
         "clips": [_clip(clip, database.fps) for clip in database.clips],
         "coverage": _coverage(database),
         "hips_height_m": _percentiles(database.poses.hips_positions[:, 2]),
-        "headset_height_ratio": _percentiles(headset_heights(database) / database.eye_height),
-        "feet": _feet(database),
+        "headset_height_ratio": _percentiles(ratios),
+        "feet": _feet(database, toes),
         "provenance": {key: _json_or_text(value) for key, value in database.provenance.items()},
     }
 
@@ -58,23 +61,29 @@ def suggest_height_range(database: MotionDatabase) -> tuple[float, float]:
 
     From the 2nd to the 98th percentile of headset height over eye height, widened to whole hundredths.
     """
-    ratios = headset_heights(database) / database.eye_height
-    low, high = np.percentile(ratios, [2.0, 98.0])
-    low, high = math.floor(low * 100.0) / 100.0, math.ceil(high * 100.0) / 100.0
-    return low, max(high, low + 0.01)
+    return _kept_range(headset_heights(database) / database.eye_height)
 
 
 def headset_heights(database: MotionDatabase) -> Array:
     """Heights `(N,)` in metres of a simulated headset over the floor."""
-    positions, rotations = motion_in_root_space(database).forward()
+    return _headset_heights(database, *_in_root_space(database).forward())
+
+
+def _in_root_space(database: MotionDatabase) -> Motion:
+    """All frames as one motion whose virtual root stands still at the origin."""
+    poses = database.poses
+    return Motion(database.skeleton, database.fps, poses.hips_positions, poses.rotations)
+
+
+def _headset_heights(database: MotionDatabase, positions: Array, rotations: Array) -> Array:
     head = database.skeleton.joint("head")
     return positions[:, head, 2] + quat.rotate(rotations[:, head], SIMULATED_MOUNTS.offsets[0])[:, 2]
 
 
-def motion_in_root_space(database: MotionDatabase) -> Motion:
-    """All frames as one motion whose virtual root stands still at the origin."""
-    poses = database.poses
-    return Motion(database.skeleton, database.fps, poses.hips_positions, poses.rotations)
+def _kept_range(ratios: Array) -> tuple[float, float]:
+    low, high = np.percentile(ratios, [2.0, 98.0])
+    low, high = math.floor(low * 100.0) / 100.0, math.ceil(high * 100.0) / 100.0
+    return low, max(high, low + 0.01)
 
 
 def _clip(clip: Clip, fps: float) -> dict[str, Any]:
@@ -129,10 +138,9 @@ def _smooth_root_motion(database: MotionDatabase) -> tuple[Array, Array]:
     return velocities, turning
 
 
-def _feet(database: MotionDatabase) -> dict[str, Any]:
-    """How much each foot is in contact, and how fast toes slide then."""
+def _feet(database: MotionDatabase, toes: Array) -> dict[str, Any]:
+    """How much each foot is in contact, and how fast toes `(N, 2, 3)` in root space slide then."""
     poses, skate = database.poses, np.empty((len(database), 2))
-    toes = toe_positions(motion_in_root_space(database))
     ground = angles.turn(toes[..., :2], poses.root_yaws[:, None]) + poses.root_positions[:, None]
     for clip in database.clips:
         run = slice(clip.start, clip.stop)
