@@ -134,7 +134,11 @@ def _tracking_metrics(avatar: _Body, trackers: Recording, unreachable: Flags) ->
 
 
 def _foot_metrics(avatar: _Body, contacts: Flags, user: _Body | None) -> Metrics:
-    """Skating by its four definitions, floating, penetration, jitter."""
+    """Skating by its four definitions, floating, sinking, penetration, jitter.
+
+    Floating and sinking are how far a toe in contact is above and below its place in T-pose, penetration how
+    deep the lower of toe and toe tip is below the floor at any time.
+    """
     if user is None:
         return _feet_of(avatar, contacts)
     true_contacts = find_contacts(toe_positions(user.motion), user.motion.fps)
@@ -158,6 +162,7 @@ def _feet_of(body: _Body, contacts: Flags) -> Metrics:
         "skating_ratio": measures.skating_ratio(toes, heights, fps),
         "slide_per_contact_cm": summary(measures.slides(toes, contacts) * _CM),
         "floating_cm": summary(np.maximum(heights, 0.0)[contacts] * _CM),
+        "sinking_cm": summary(np.maximum(-heights, 0.0)[contacts] * _CM),
         "penetration_cm": summary(np.maximum(np.maximum(*depths), 0.0) * _CM),
         "jitter": measures.jitter(body.positions, fps),
     }
