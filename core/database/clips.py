@@ -16,7 +16,7 @@ class Exclusion:
     """A stretch of a take that is left out of the database."""
 
     take: str
-    """Name of the take or its file as given."""
+    """Name of the take, or its file with or without folders."""
     start: float
     """Seconds from the take's start."""
     stop: float
@@ -85,4 +85,4 @@ def kept_ranges(
 
 
 def _names(exclusion: Exclusion, take: Take) -> bool:
-    return exclusion.take in (take.name, take.file)
+    return exclusion.take in (take.name, take.file, re.split(r"[\\/]", take.file)[-1])

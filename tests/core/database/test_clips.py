@@ -39,7 +39,7 @@ def test_parse_faults(text: str) -> None:
 
 def test_unknown_take_and_past_the_end(as_take) -> None:
     take = as_take(demo_motion("turn"), "turn")
-    check_exclusions([take], [Exclusion("turn", 0.0, 99.0), Exclusion("takes/turn.bvh", 1.0, 2.0)])
+    check_exclusions([take], [Exclusion(name, 1.0, 99.0) for name in ("turn", "turn.bvh", "takes/turn.bvh")])
     with pytest.raises(InputError, match="no such take; there are turn"):
         check_exclusions([take], [Exclusion("walk", 0.0, 1.0)])
     with pytest.raises(InputError, match=r"past its end at 14\.00 s"):
