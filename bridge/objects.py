@@ -96,6 +96,8 @@ def recording_from_objects(
         name=head.name,
         mounts=_mounts(trackers),
         eye_height=head.get(EYE_HEIGHT),
+        # objects that stand exactly still are meant to
+        states_validity=True,
     )
     digest = hashlib.sha256(positions.tobytes() + rotations.tobytes()).hexdigest()
     return to_recording(raw, f"objects of scene {scene.name}", digest, eye_height)

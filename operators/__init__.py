@@ -2,7 +2,7 @@
 
 import bpy
 
-from . import bake, databases, job_operator, predictor, recording, rig, takes
+from . import bake, databases, figures, job_operator, predictor, recording, rig, takes
 
 CLASSES = (
     job_operator.FOOTWORK_OT_cancel_job,
@@ -12,6 +12,7 @@ CLASSES = (
     *recording.CLASSES,
     *rig.CLASSES,
     *bake.CLASSES,
+    *figures.CLASSES,
 )
 
 

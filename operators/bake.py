@@ -113,6 +113,9 @@ class FOOTWORK_OT_bake(JobOperator, bpy.types.Operator):
 def read_source(scene: bpy.types.Scene) -> Source:
     """All inputs of a bake; objects of the scene are sampled here."""
     footwork = scene.footwork
+    for row in footwork.databases:
+        if row.use and row.height_low >= row.height_high:
+            raise InputError(f"{row.name}: its height range is empty; From must be less than To")
     if footwork.recording_source == "OBJECTS":
         recording: Recording | str = recording_from_objects(
             scene,

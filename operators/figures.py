@@ -1,6 +1,7 @@
 """A bake's report in the few figures that tell whether it is good."""
 
 import bpy
+from bpy.props import IntProperty
 
 FIGURES = (
     ("root_error_cm", "Body to user", "cm", 10.0, "Distance of the avatar's root from the user's body"),
@@ -60,3 +61,32 @@ def _scalars(report: dict):
         recorded = timing.get("recorded", 0.0)
         speed = f" ({recorded / spent:.0f}x real time)" if spent > 0 and recorded else ""
         yield "Time taken", f"{spent:.1f} s{speed}", "Without reading files and writing keys"
+
+
+class FOOTWORK_OT_explain_figure(bpy.types.Operator):
+    """Say what the figure means"""
+
+    bl_idname = "footwork.explain_figure"
+    bl_label = "Explain"
+    bl_options = {"INTERNAL"}
+
+    index: IntProperty(name="Line", description="Line of the Quality panel", options={"SKIP_SAVE"})
+
+    @classmethod
+    def description(cls, context, properties):
+        return explanation(context.scene.footwork, properties.index)
+
+    def execute(self, context):
+        self.report({"INFO"}, explanation(context.scene.footwork, self.index))
+        return {"FINISHED"}
+
+
+def explanation(footwork: bpy.types.PropertyGroup, index: int) -> str:
+    """Meaning and spread of a line of the Quality panel."""
+    if not 0 <= index < len(footwork.figures):
+        return ""
+    row = footwork.figures[index]
+    return row.text + (f": {row.detail}" if row.detail else "")
+
+
+CLASSES = (FOOTWORK_OT_explain_figure,)

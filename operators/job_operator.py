@@ -11,8 +11,10 @@ import bpy
 from ..core.errors import InputError
 from ..core.jobs import Job, run
 
-SLICE_S = 0.025
-REDRAW_S = 0.1
+SLICE_S = (0.025, 0.25)
+"""Least and most time for the job in one timer tick: as long as Blender took since the last one, so that slow drawing
+takes half of the time at most."""
+REDRAW_S = 0.15
 
 
 @dataclass(slots=True)
@@ -85,7 +87,7 @@ class JobOperator:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         running = Running(type(self).bl_idname, self.title)
-        self._drawn = 0.0
+        self._drawn = self._left = time.perf_counter()
         self._timer = context.window_manager.event_timer_add(0.01, window=context.window)
         context.window_manager.progress_begin(0, 100)
         context.window_manager.modal_handler_add(self)
@@ -121,14 +123,16 @@ class JobOperator:
         self._stop(context)
 
     def _advance(self, context: bpy.types.Context) -> tuple[Any] | None:
-        end = time.perf_counter() + SLICE_S
+        start = time.perf_counter()
+        end = start + min(max(start - self._left, SLICE_S[0]), SLICE_S[1])
         while time.perf_counter() < end:
             try:
                 running.fraction, running.message = next(self._job)
             except StopIteration as stop:
                 return (stop.value,)
-        if end - self._drawn > REDRAW_S:
-            self._drawn = end
+        self._left = time.perf_counter()
+        if self._left - self._drawn > REDRAW_S:
+            self._drawn = self._left
             _show(context)
         return None
 

@@ -17,8 +17,8 @@ from . import files
 
 
 def calibrated(footwork) -> float | None:
-    """The eye height that was set by hand, in metres."""
-    return files.typed(footwork.eye_height) or None
+    """The eye height in metres that was set by hand, if it was."""
+    return files.typed(footwork.eye_height) if footwork.use_eye_height else None
 
 
 class FOOTWORK_OT_load_recording(bpy.types.Operator, ImportHelper):
@@ -64,6 +64,7 @@ class FOOTWORK_OT_inspect_recording(bpy.types.Operator):
             return {"CANCELLED"}
         footwork.recording_found, footwork.recording_doubts = files.told(recording)
         footwork.recording_state = "DOUBT" if recording.doubts else "OK"
+        footwork.eye_height = recording.eye_height
         self.report({"INFO"}, f"{recording.name}: {recording.times[-1]:.1f} s at {recording.fps:.0f} per second")
         return {"FINISHED"}
 

@@ -153,15 +153,19 @@ class FOOTWORK_PG_scene(bpy.types.PropertyGroup):
     recording_state: EnumProperty(name="State", description="What reading it gave", items=STATES)
     recording_found: StringProperty(name="Found", description="What was found in the recording, a line each")
     recording_doubts: StringProperty(name="Doubts", description="What should be looked at, a line each")
+    use_eye_height: BoolProperty(
+        name="Eye Height",
+        description="Give the eye height by hand instead of finding it in the recording",
+    )
     eye_height: FloatProperty(
         name="Eye Height",
-        description="Height of the headset when its wearer stands upright; 0 to find it in the recording",
+        description="Height of the headset when its wearer stands upright",
         subtype="DISTANCE",
-        min=0.0,
+        min=0.3,
         max=3.0,
-        default=0.0,
+        default=1.65,
         step=1,
-        precision=3,
+        precision=2,
     )
     head: tracker("Headset")
     left: tracker("Left Controller")

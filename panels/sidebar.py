@@ -225,7 +225,7 @@ class FOOTWORK_PT_recording(Part, bpy.types.Panel):
             for name in ("head", "left", "right"):
                 column.prop(footwork, name)
             column.prop(footwork, "tracker_axes")
-            column.prop(footwork, "eye_height")
+            _eye_height(column, footwork)
             return
         if not footwork.recording_path:
             column.operator("footwork.load_recording", icon="FILEBROWSER")
@@ -233,7 +233,7 @@ class FOOTWORK_PT_recording(Part, bpy.types.Panel):
         row = column.row(align=True)
         row.prop(footwork, "recording_path", text="File")
         row.operator("footwork.inspect_recording", text="", icon="FILE_REFRESH")
-        column.prop(footwork, "eye_height")
+        _eye_height(column, footwork)
         header, body = layout.panel("FOOTWORK_recording_found", default_closed=True)
         header.label(text="In This Recording")
         if body:
@@ -242,6 +242,15 @@ class FOOTWORK_PT_recording(Part, bpy.types.Panel):
             context, layout, footwork.recording_doubts, "CANCEL" if footwork.recording_state == "FAULT" else "ERROR"
         )
         layout.operator("footwork.show_recording", icon="EMPTY_ARROWS")
+
+
+def _eye_height(layout, footwork) -> None:
+    """Given by hand, or greyed what the recording says."""
+    row = layout.row(heading="Eye Height", align=True)
+    row.prop(footwork, "use_eye_height", text="")
+    value = row.row(align=True)
+    value.active = footwork.use_eye_height
+    value.prop(footwork, "eye_height", text="")
 
 
 class FOOTWORK_PT_rig(Part, bpy.types.Panel):
@@ -362,12 +371,16 @@ class FOOTWORK_PT_quality(Part, bpy.types.Panel):
             return
         layout.label(text=footwork.figures_of, icon="ACTION")
         column = layout.column(align=True)
-        for row in footwork.figures:
+        for index, row in enumerate(footwork.figures):
             split = column.split(factor=0.55)
             icon = {"GOOD": "CHECKMARK", "POOR": "ERROR"}.get(row.good, "BLANK1")
             split.label(text=row.name, icon=icon)
-            split.label(text=row.value)
-        text.notes(context, layout, footwork.warnings)
+            value = split.row()
+            value.alignment = "LEFT"
+            value.operator("footwork.explain_figure", text=row.value, emboss=False).index = index
+        told = footwork.recording_doubts.splitlines()
+        fresh = [line for line in footwork.warnings.splitlines() if line not in told]
+        text.notes(context, layout, "\n".join(fresh))
 
 
 CLASSES = (

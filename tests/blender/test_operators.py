@@ -1,0 +1,217 @@
+"""The whole work through operators, as a script or a button runs it, on procedural takes."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import bpy
+import helpers
+import numpy as np
+import pytest
+from footwork.bridge import armature, compat
+from footwork.core.database.sidecar import load_database
+from footwork.operators import job_operator
+from footwork.operators.bake import REPORT
+
+
+def files(*names: str) -> list[dict[str, str]]:
+    return [{"name": name} for name in names]
+
+
+def add_takes(folder: Path, *names: str) -> None:
+    assert bpy.ops.footwork.add_takes(directory=str(folder), files=files(*names)) == {"FINISHED"}
+
+
+@pytest.fixture(scope="module")
+def database(demo, tmp_path_factory) -> Path:
+    """A database of procedural takes, built by its operator."""
+    bpy.ops.wm.read_homefile(use_empty=True)
+    add_takes(demo, "walk.bvh", "turn.bvh", "sidestep.bvh", "visit.bvh")
+    path = tmp_path_factory.mktemp("database") / "walking.npz"
+    assert bpy.ops.footwork.build_database(filepath=str(path)) == {"FINISHED"}
+    return path
+
+
+@pytest.fixture(scope="module")
+def recording(demo, tmp_path_factory) -> Path:
+    """A recording simulated from a procedural take, by its operator."""
+    bpy.ops.wm.read_homefile(use_empty=True)
+    add_takes(demo, "visit.bvh")
+    path = tmp_path_factory.mktemp("recording") / "visit.csv"
+    assert bpy.ops.footwork.simulate_recording(filepath=str(path)) == {"FINISHED"}
+    return path
+
+
+@pytest.fixture
+def ready(empty, database, recording):
+    """A scene in which only Bake is left to press."""
+    footwork = empty.footwork
+    bpy.ops.footwork.add_database(directory=str(database.parent), files=files(database.name))
+    bpy.ops.footwork.load_recording(filepath=str(recording))
+    footwork.predictor = "HEADSET"
+    return footwork
+
+
+def test_takes_are_added_once_and_looked_at(empty, demo, tmp_path) -> None:
+    (tmp_path / "broken.bvh").write_text("HIERARCHY\nnonsense")
+    add_takes(demo, "walk.bvh", "turn.bvh")
+    add_takes(demo, "walk.bvh")
+    add_takes(tmp_path, "broken.bvh")
+    takes = empty.footwork.takes
+    assert [(take.name, take.state) for take in takes] == [("walk", "OK"), ("turn", "OK"), ("broken", "FAULT")]
+    assert takes[0].seconds > 5.0 and "\t" in takes[0].found
+    assert "line" in takes[2].doubts or ":" in takes[2].doubts
+    empty.footwork.take_index = 2
+    bpy.ops.footwork.move_take(step=-1)
+    assert [take.name for take in takes] == ["walk", "broken", "turn"] and empty.footwork.take_index == 1
+    bpy.ops.footwork.remove_take()
+    assert [take.name for take in takes] == ["walk", "turn"]
+    bpy.ops.footwork.clear_takes()
+    assert not takes
+
+
+def test_building_writes_a_database_and_lists_it(empty, demo, tmp_path) -> None:
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
+    scene = bpy.context.scene
+    add_takes(demo, "walk.bvh", "turn.bvh")
+    scene.footwork.takes[1].use = False
+    scene.footwork.database_settings.mirror = True
+    scene.footwork.database_tags = "walk, demo"
+    bpy.ops.footwork.build_database()
+    made = load_database(tmp_path / "shot_database.npz")
+    assert {clip.name for clip in made.clips} >= {"walk"} and made.tags == ("walk", "demo")
+    assert any(clip.mirrored for clip in made.clips) and not any(c.name.startswith("turn") for c in made.clips)
+    (row,) = scene.footwork.databases
+    assert row.path == "//shot_database.npz" and row.name == made.name and row.found
+    bpy.ops.footwork.build_database()
+    assert len(scene.footwork.databases) == 1
+
+
+@pytest.mark.parametrize("source", ["FILE", "OBJECTS"])
+def test_a_bake_without_a_rig_makes_one(empty, ready, source: str) -> None:
+    if source == "OBJECTS":
+        bpy.ops.footwork.show_recording()
+        empty.frame_end = 600
+        ready.recording_source = source
+    assert bpy.ops.footwork.bake() == {"FINISHED"}
+    rig = ready.rig
+    assert rig.type == "ARMATURE" and rig.animation_data.action is not None
+    assert len(compat.fcurves_of(rig)) > 60
+    report = json.loads(bpy.data.texts[REPORT].as_string())
+    assert report["metrics"]["root_error_cm"]["mean"] < 30.0
+    assert len(ready.figures) > 5 and rig.name in ready.figures_of
+    frames = int(compat.fcurves_of(rig)[0].range()[1])
+    assert empty.frame_end == frames
+    # the head follows the headset in Blender's own evaluation
+    empty.frame_set(frames // 2)
+    head = helpers.world_heads(rig, (armature.role_map(rig)["head"],))[0]
+    feet = helpers.world_heads(rig, tuple(armature.role_map(rig)[f"foot.{side}"] for side in "LR"))
+    assert 1.0 < head[2] < 2.0 and feet[:, 2].min() < 0.2 and np.abs(feet).max() < 20.0
+
+
+def test_baking_twice_keeps_or_replaces(empty, ready) -> None:
+    bpy.ops.footwork.bake()
+    first = ready.rig.animation_data.action
+    bpy.ops.footwork.bake()
+    assert first.use_fake_user and ready.rig.animation_data.action != first
+    ready.keep_previous = False
+    bpy.ops.footwork.bake()
+    assert len(bpy.data.actions) == 2
+
+
+def test_options_of_the_output(empty, ready) -> None:
+    ready.action_name, ready.frame_start, ready.fit_range, ready.markers = "Take 5", 101, False, False
+    before = (empty.frame_start, empty.frame_end)
+    bpy.ops.footwork.bake()
+    action = ready.rig.animation_data.action
+    assert action.name == "Take 5" and not action.pose_markers
+    assert compat.fcurves_of(ready.rig)[0].range()[0] == 101 and before == (empty.frame_start, empty.frame_end)
+
+
+def test_bakes_are_the_same_twice(empty, ready) -> None:
+    bpy.ops.footwork.bake()
+    values = []
+    for _ in range(2):
+        bpy.ops.footwork.bake()
+        curves = compat.fcurves_of(ready.rig)
+        values.append([tuple(key.co) for curve in curves[:9] for key in curve.keyframe_points])
+    assert values[0] == values[1]
+
+
+def test_height_ranges_of_the_list_are_used(empty, ready) -> None:
+    ready.databases[0].height_low, ready.databases[0].height_high = 0.4, 0.2
+    with pytest.raises(RuntimeError, match="height range is empty"):
+        bpy.ops.footwork.bake()
+
+
+def test_bad_input_raises_and_writes_nothing(empty, ready, tmp_path) -> None:
+    before = (len(bpy.data.actions), len(bpy.data.armatures), len(bpy.data.texts))
+    ready.recording_path = str(tmp_path / "gone.csv")
+    with pytest.raises(RuntimeError, match=r"gone\.csv"):
+        bpy.ops.footwork.bake()
+    assert before == (len(bpy.data.actions), len(bpy.data.armatures), len(bpy.data.texts))
+    with pytest.raises(RuntimeError, match=r"gone\.csv"):
+        bpy.ops.footwork.load_recording(filepath=str(tmp_path / "gone.csv"))
+    assert ready.recording_state == "FAULT"
+    (tmp_path / "fake.npz").write_bytes(b"no database")
+    with pytest.raises(RuntimeError, match=r"fake\.npz"):
+        bpy.ops.footwork.add_database(directory=str(tmp_path), files=files("fake.npz"))
+
+
+def test_disabled_buttons_say_why(empty) -> None:
+    for operator, reason in (
+        ("build_database", "Add takes first"),
+        ("bake", "Choose a recording first"),
+        ("remove_take", "no take"),
+        ("remove_database", "no database"),
+        ("show_recording", "Choose a recording file first"),
+        ("reset_roles", "Pick a rig first"),
+        ("use_active_rig", "Select an armature first"),
+        ("cancel_job", "Nothing is running"),
+    ):
+        with pytest.raises(RuntimeError, match=reason):
+            getattr(bpy.ops.footwork, operator)()
+
+
+def test_one_job_at_a_time(empty, ready, monkeypatch) -> None:
+    monkeypatch.setattr(job_operator, "running", job_operator.Running("footwork.bake", "Baking"))
+    with pytest.raises(RuntimeError, match="Baking is still running"):
+        bpy.ops.footwork.bake()
+
+
+def test_a_dropped_take_becomes_an_armature(empty, demo) -> None:
+    empty.render.fps = 24
+    bpy.ops.footwork.import_take(directory=str(demo), files=files("walk.bvh"))
+    obj = bpy.context.object
+    assert obj.name == "walk" and obj.select_get()
+    frames = compat.fcurves_of(obj)[0].range()[1]
+    from footwork.core.mocap.takes import load_take
+
+    take = load_take(demo / "walk.bvh", 24.0)
+    assert frames == pytest.approx(len(take.motion), abs=1)
+    expected, _ = take.motion.forward()
+    bones = take.motion.skeleton.names
+    for frame in (0, len(take.motion) // 2, len(take.motion) - 1):
+        empty.frame_set(1 + frame)
+        assert np.abs(helpers.world_heads(obj, bones) - expected[frame]).max() < 1e-4
+
+
+def test_the_file_handlers_take_their_files() -> None:
+    for name, extension in (("takes", ".bvh"), ("import_take", ".bvh"), ("recording", ".csv")):
+        handler = getattr(bpy.types, f"FOOTWORK_FH_{name}")
+        assert extension in handler.bl_file_extensions
+        module, operator = handler.bl_import_operator.split(".")
+        assert getattr(getattr(bpy.ops, module), operator).get_rna_type()
+
+
+def test_a_mixamo_rig_is_animated_and_left_in_place(empty, ready, data) -> None:
+    bpy.ops.import_scene.fbx(filepath=str(data / "rigs" / "mixamo_ybot.fbx"))
+    rig = next(obj for obj in empty.objects if obj.type == "ARMATURE")
+    place = np.array(rig.matrix_world)
+    bpy.context.view_layer.objects.active = rig
+    bpy.ops.footwork.use_active_rig()
+    bpy.ops.footwork.bake()
+    assert np.array_equal(place, np.array(rig.matrix_world))
+    keyed = {path.split('"')[1] for curve in compat.fcurves_of(rig) if (path := curve.data_path)}
+    assert "mixamorig:Hips" in keyed and not any("Thumb" in bone for bone in keyed)
