@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.maths import quat
+from ..core.maths import angles, quat
 from .windows import FACING, POSITIONS, ROTATIONS, TRACKED
 
 Array = NDArray[np.floating[Any]]
@@ -26,6 +26,8 @@ class Augmentation:
 
     stretch: float = 0.2
     """Time runs up to this share faster or slower."""
+    mix: float = 0.3
+    """Probability for each hand that it does what it did in another window."""
     size: float = 0.05
     """Deviation of the head height's error, share."""
     headset: float = 0.02
@@ -36,6 +38,8 @@ class Augmentation:
     """Deviation of the place of the hand joint in the controller, head heights."""
     grip_turn: float = 0.2
     """Deviation of the controller's turn in the hand, radians."""
+    turn: float = 0.7
+    """Deviation of the speed at which the path is bent, rad/s."""
     look: float = 0.3
     """Deviation of the extra angles that the head looks aside by, radians."""
     noise: float = 0.002
@@ -44,6 +48,34 @@ class Augmentation:
     """Deviation of each rotation, radians."""
     lost: float = 0.06
     """Probability for each hand that it is lost: for all of the window, or from or to a random moment."""
+
+
+def mix_hands(windows: Float, yaws: Array, how: Augmentation, rng: np.random.Generator) -> Float:
+    """Windows `(N, S, 31)` in which some hands do what that hand did in another window.
+
+    A hand is moved with the body: from the head, in the axes of the body's true yaws `(N, S)` in radians. So a hand
+    that waves says nothing of where the other one is.
+    """
+    count, samples = windows.shape[:2]
+    out = windows.copy()
+    other = rng.permutation(count)
+    turn = yaws - yaws[other]
+    c, s = np.cos(turn).astype(np.float32), np.sin(turn).astype(np.float32)
+    places = windows[..., POSITIONS].reshape(count, samples, 3, 3)
+    for hand in (1, 2):
+        chosen = rng.random(count) < how.mix
+        a, b, rows = chosen.nonzero()[0], other[chosen], np.s_[chosen]
+        columns = slice(9 + 6 * hand, 15 + 6 * hand)
+        vectors = np.concatenate(
+            [(places[b, :, hand] - places[b, :, 0])[:, :, None], windows[b][..., columns].reshape(len(b), samples, 2, 3)],
+            axis=2,
+        )
+        x, y = vectors[..., 0].copy(), vectors[..., 1].copy()
+        cc, ss = c[rows][..., None], s[rows][..., None]
+        vectors[..., 0], vectors[..., 1] = cc * x - ss * y, ss * x + cc * y
+        out[a, :, 3 * hand : 3 * hand + 3] = places[a, :, 0] + vectors[:, :, 0]
+        out[a, :, columns] = vectors[:, :, 1:].reshape(len(a), samples, 6)
+    return out
 
 
 def augment(windows: Float, offsets: Array, how: Augmentation, rng: np.random.Generator) -> Float:
@@ -60,7 +92,7 @@ def augment(windows: Float, offsets: Array, how: Augmentation, rng: np.random.Ge
     windows[..., POSITIONS] *= rng.normal(1.0, how.size, (count, 1, 1)).astype(np.float32)
     windows[..., POSITIONS] += np.float32(how.noise) * _normal((count, samples, 9), rng)
     matrices = _matrices(windows)
-    _look_aside(windows, matrices, offsets, how.look, rng)
+    _turn(windows, matrices, offsets, how, rng)
     matrices = _remount(windows, matrices, how, rng)
     windows[..., ROTATIONS] = np.moveaxis(matrices[..., :2], (1, 4), (2, 3)).reshape(count, samples, 18)
     windows[..., ROTATIONS] += np.float32(how.noise_turn) * _normal((count, samples, 18), rng)
@@ -104,21 +136,46 @@ def _remount(windows: Float, matrices: Float, how: Augmentation, rng: np.random.
     return moved[..., :3]
 
 
-def _look_aside(
-    windows: Float, matrices: Float, offsets: Array, angle: float, rng: np.random.Generator
-) -> None:
-    """Turn the head about the vertical by a constant angle and by one that comes or goes in the window."""
+def _turn(windows: Float, matrices: Float, offsets: Array, how: Augmentation, rng: np.random.Generator) -> None:
+    """Bend the path and look elsewhere, in place.
+
+    The whole body turns as if the ground turned under it, by nothing in the middle of the window, where the truth
+    is known; steps are made in the turned direction. The head turns on its own besides.
+    """
     count = len(windows)
-    first, second = rng.normal(0.0, angle, (2, count, 1))
-    middle = rng.uniform(offsets[0], offsets[-1], (count, 1))
-    seconds = rng.uniform(0.05, 0.3, (count, 1))
-    yaw = first + second * np.tanh((offsets - middle) / seconds)
+    bend = how.turn * (
+        rng.normal(0.0, 1.0, (count, 1)) * offsets + 0.5 * rng.normal(0.0, 1.0, (count, 1)) * offsets * np.abs(offsets)
+    )
+    _bend(windows, offsets, bend)
+    yaw = np.repeat(bend[:, None], 3, axis=1)
+    yaw[:, 0] += _look(offsets, how.look, count, rng)
     c, s = np.cos(yaw).astype(np.float32), np.sin(yaw).astype(np.float32)
     x, y = windows[..., 27].copy(), windows[..., 28].copy()
-    windows[..., 27], windows[..., 28] = c * x - s * y, s * x + c * y
+    windows[..., 27], windows[..., 28] = c[:, 0] * x - s[:, 0] * y, s[:, 0] * x + c[:, 0] * y
     c, s = c[..., None], s[..., None]
-    x, y = matrices[:, 0, :, 0].copy(), matrices[:, 0, :, 1].copy()
-    matrices[:, 0, :, 0], matrices[:, 0, :, 1] = c * x - s * y, s * x + c * y
+    x, y = matrices[..., 0, :].copy(), matrices[..., 1, :].copy()
+    matrices[..., 0, :], matrices[..., 1, :] = c * x - s * y, s * x + c * y
+
+
+def _look(offsets: Array, angle: float, count: int, rng: np.random.Generator) -> Array:
+    """Yaws `(N, S)` of a head that looks aside: one stays, a second comes or goes within the window."""
+    first, second = rng.normal(0.0, angle, (2, count, 1))
+    middle = rng.uniform(offsets[0], offsets[-1], (count, 1))
+    return first + second * np.tanh((offsets - middle) / rng.uniform(0.05, 0.3, (count, 1)))
+
+
+def _bend(windows: Float, offsets: Array, bend: Array) -> None:
+    """Walk the head's path in directions turned by `bend` `(N, S)` radians, hands with it, in place."""
+    places = windows[..., POSITIONS].reshape(*windows.shape[:2], 3, 3)
+    head = places[:, :, 0, :2].copy()
+    hands = places[:, :, 1:, :2] - head[:, :, None]
+    steps = angles.turn(np.diff(head, axis=1), 0.5 * (bend[:, 1:] + bend[:, :-1]))
+    path = np.concatenate([np.zeros((len(head), 1, 2)), np.cumsum(steps, axis=1)], axis=1)
+    centre = int(np.argmin(np.abs(offsets)))
+    path += head[:, centre : centre + 1] - path[:, centre : centre + 1]
+    places[:, :, 0, :2] = path
+    places[:, :, 1:, :2] = path[:, :, None] + angles.turn(hands, bend[..., None])
+    windows[..., POSITIONS] = places.reshape(*windows.shape[:2], 9)
 
 
 def _lose(windows: Float, offsets: Array, probability: float, rng: np.random.Generator) -> None:

@@ -28,9 +28,6 @@ from .windows import Layout, stream, take_windows, window_inputs
 
 Array = NDArray[np.floating[Any]]
 
-SHIPPED = {"look-ahead": "look-ahead", "causal": "causal", "paper": "paper"}
-"""Predictors that come with Footwork, by kind: the one that sees the future, the causal one, the paper's
-network."""
 _FOLDER = Path(__file__).parent / "weights"
 _CHUNK = 2048
 """Windows worked on at once: bounds memory on recordings of hours."""
@@ -51,9 +48,14 @@ def load_predictor(path: str | os.PathLike[str]) -> Predictor:
     return read_predictor(path)
 
 
-def shipped_predictor(kind: str = "look-ahead") -> Predictor:
+def shipped_predictor(name: str = "look-ahead") -> Predictor:
     """A predictor that comes with Footwork: "look-ahead" (for bakes), "causal" or "paper"."""
-    return read_predictor(_FOLDER / f"{SHIPPED[kind]}.npz")
+    return read_predictor(_FOLDER / f"{name}.npz")
+
+
+def shipped_predictors() -> dict[str, Predictor]:
+    """All predictors that come with Footwork, by name."""
+    return {path.stem: read_predictor(path) for path in sorted(_FOLDER.glob("*.npz"))}
 
 
 def hmd_forward(recording: Recording) -> Array:

@@ -10,7 +10,7 @@ import numpy as np
 import torch
 
 from ..core.maths import angles
-from .augment import Augmentation, augment
+from .augment import Augmentation, augment, mix_hands
 from .inputs import RATE, Scaler, group_scaler
 from .network import Network
 from .samples import Sample
@@ -88,7 +88,8 @@ class WindowLearner:
         places = np.round(frames[:, None] + self.layout.offsets * speed * RATE).astype(np.intp)
         # a window ends where its take does
         places = np.clip(places, self.first[frames][:, None], self.last[frames][:, None])
-        windows = augment(self.rows[places], self.layout.offsets, self.augmentation, self.rng)
+        windows = mix_hands(self.rows[places], self.yaws[places], self.augmentation, self.rng)
+        windows = augment(windows, self.layout.offsets, self.augmentation, self.rng)
         head = angles.yaw_of(windows[:, self.layout.centre, FACING].astype(np.float64))
         inputs = window_inputs(windows, head, self.layout)
         truth = angles.direction(self.yaws[frames] - head)

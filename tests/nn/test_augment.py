@@ -1,0 +1,74 @@
+"""Altered windows: what is altered, and what stays true."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from footwork.core.maths import angles, quat
+from footwork.nn.augment import Augmentation, augment, mix_hands
+from footwork.nn.windows import FACING, POSITIONS, TRACKED, Layout, stream, take_windows, window_inputs
+
+LAYOUT = Layout(np.round(np.arange(-5, 6) * 0.1, 3), 1)
+NOTHING = Augmentation(*[0.0] * len(Augmentation.__slots__))
+
+
+def _windows(yaw: np.ndarray) -> np.ndarray:
+    """One window for each frame of a stiff body that turns by `yaw` `(T,)` about the point (1, 2)."""
+    turn = quat.from_yaw(yaw)[:, None]
+    body = np.array([[0.0, 0.1, 1.6], [-0.4, 0.3, 1.0], [0.3, 0.2, 1.2]])
+    own = quat.from_rotation_vector(np.array([[0.3, 0.1, 0.2], [0.2, 1.0, 0.1], [0.1, -0.5, 0.4]]))
+    positions = quat.rotate(turn, body) + np.array([1.0, 2.0, 0.0])
+    rows = stream(positions, quat.multiply(turn, own), np.ones((len(yaw), 3), bool), 1.6)
+    return take_windows(rows, np.arange(len(yaw)) / 10.0, 10.0, LAYOUT)
+
+
+def _sampled(yaw: np.ndarray) -> np.ndarray:
+    frames = np.clip(np.arange(len(yaw))[:, None] + np.round(LAYOUT.offsets * 10).astype(int), 0, len(yaw) - 1)
+    return yaw[frames]
+
+
+def test_without_strength_nothing_changes():
+    windows = _windows(np.linspace(0, 3, 40))
+    np.testing.assert_allclose(augment(windows, LAYOUT.offsets, NOTHING, np.random.default_rng(0)), windows, atol=1e-6)
+
+
+def test_hands_of_the_same_stiff_body_mixed_are_the_same_hands():
+    yaw = np.linspace(-2.0, 3.0, 40)
+    windows = _windows(yaw)
+    mixed = mix_hands(windows, _sampled(yaw), replace(NOTHING, mix=1.0), np.random.default_rng(1))
+    np.testing.assert_allclose(mixed, windows, atol=1e-5)
+
+
+def test_bending_a_stiff_bodys_path_is_turning_the_body():
+    """A body that stands and one that turns differ by the bend alone: seen from the body, all stays as it was."""
+    windows = _windows(np.full(30, 0.4))
+    bent = augment(windows, LAYOUT.offsets, replace(NOTHING, turn=1.0), np.random.default_rng(2))
+    np.testing.assert_allclose(bent[:, LAYOUT.centre], windows[:, LAYOUT.centre], atol=1e-6)
+    for sample in range(len(LAYOUT.offsets)):
+        rows = [np.repeat(w[:, sample : sample + 1], len(LAYOUT.offsets), axis=1) for w in (bent, windows)]
+        seen = [window_inputs(row, angles.yaw_of(row[:, 0, FACING]), LAYOUT) for row in rows]
+        np.testing.assert_allclose(seen[0], seen[1], atol=1e-5)
+    turned = angles.wrap(angles.yaw_of(bent[:, -1, FACING]) - angles.yaw_of(windows[:, -1, FACING]))
+    assert np.std(turned) > 0.2
+
+
+def test_looking_aside_moves_no_hand():
+    windows = _windows(np.linspace(0, 3, 40))
+    looked = augment(windows, LAYOUT.offsets, replace(NOTHING, look=0.5), np.random.default_rng(3))
+    np.testing.assert_allclose(looked[..., POSITIONS], windows[..., POSITIONS], atol=1e-6)
+    np.testing.assert_allclose(looked[..., 15:27], windows[..., 15:27], atol=1e-6)
+    assert np.std(angles.wrap(angles.yaw_of(looked[..., FACING]) - angles.yaw_of(windows[..., FACING]))) > 0.3
+
+
+@pytest.mark.parametrize("name", [name for name in Augmentation.__slots__ if name not in ("stretch", "mix")])
+def test_each_strength_does_something_and_leaves_rotations_rotations(name):
+    windows = _windows(np.linspace(0, 3, 200))
+    altered = augment(windows, LAYOUT.offsets, replace(NOTHING, **{name: 0.2}), np.random.default_rng(4))
+    assert not np.allclose(altered, windows, atol=1e-3)
+    assert np.all(np.isin(altered[..., TRACKED], (0.0, 1.0)))
+    if name != "noise_turn":
+        columns = altered[..., 9:27].reshape(*altered.shape[:2], 3, 2, 3)
+        np.testing.assert_allclose(np.linalg.norm(columns, axis=-1), 1.0, atol=1e-4)
+        np.testing.assert_allclose(np.sum(columns[..., 0, :] * columns[..., 1, :], axis=-1), 0.0, atol=1e-4)
