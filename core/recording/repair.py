@@ -15,6 +15,7 @@ from .recording import Array
 from .timeline import Samples, even_out, fill_pauses, join
 
 _NAMES = ("headset", "left controller", "right controller")
+_RATES = (2.0, 5000.0)
 _FROZEN_S = 0.5
 _LONG_FROZEN_S = 5.0
 _MOVED_M = 0.001
@@ -42,13 +43,17 @@ def repair(raw: RawRecording, file: str) -> Repaired:
     """The three trackers on one timeline, finite everywhere; bridged rather than recorded where not `valid`.
 
     Raises:
-        InputError: the headset has fewer than two usable samples, or a pause is too long.
+        InputError: the headset has fewer than two usable samples, their rate is no recorder's, or a pause is
+            too long.
     """
     tracks = tuple(_in_order(track) for track in raw.tracks)
     head, left, right = (_usable(track) for track in tracks)
     if head.valid.sum() < 2:
         usable = _samples(int(head.valid.sum()))
         raise InputError(f"{file}: {usable} of the headset can be used; record it again")
+    rate = 1.0 / float(np.median(np.diff(head.times)))
+    if not _RATES[0] <= rate <= _RATES[1]:
+        raise InputError(f"{file}: {rate:.3g} samples per second; are its times in another unit?")
     dropped = [len(old.times) - len(new.times) for old, new in zip(raw.tracks, tracks, strict=True)]
     empty = [
         int((old.valid & ~new.valid).sum()) for old, new in zip(tracks, (head, left, right), strict=True)

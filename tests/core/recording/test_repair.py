@@ -201,6 +201,13 @@ def test_absurd_pauses_are_an_error(clean: Recording) -> None:
         repair(raw(tracks), "f")
 
 
+@pytest.mark.parametrize("factor", [1000.0, 1e-4])
+def test_times_in_another_unit_are_an_error(clean: Recording, factor: float) -> None:
+    tracks = [replace(track, times=track.times * factor) for track in tracks_of(clean)]
+    with pytest.raises(InputError, match="another unit"):
+        repair(raw(tracks), "f")
+
+
 def test_a_recording_without_a_headset_is_an_error(clean: Recording) -> None:
     tracks = tracks_of(clean)
     tracks[0].valid[1:] = False
