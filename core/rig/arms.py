@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from ..maths import filters, quat
 from ..mocap.skeleton import SIDES, Motion
 from . import two_bone, validity
-from .pose import with_world_rotations
+from .pose import with_world_rotations, world_positions, world_rotations
 from .retarget import spine
+from .vectors import across, cross, dot, norm, plane, unit
 
 Array = NDArray[np.floating[Any]]
 
@@ -56,7 +57,9 @@ def reach_hands(
         The motion, and `(T, 2)` whether a tracked hand is out of reach.
     """
     unreachable = np.zeros((len(motion), 2), np.bool_)
-    world = motion.forward()
+    ends = [motion.skeleton.joint(f"hand.{side}") for side in SIDES]
+    turns = world_rotations(motion, [*ends, spine(motion.skeleton)[-1]])
+    world = world_positions(motion, turns), turns
     for i in range(2):
         if valid[:, i].any():
             motion, missed = _reach(motion, world, i, positions[:, i], rotations[:, i], valid[:, i])
@@ -66,7 +69,7 @@ def reach_hands(
 
 def _reach(
     motion: Motion,
-    world: tuple[Array, Array],
+    world: tuple[dict[int, Array], dict[int, Array]],
     side: int,
     target: Array,
     hand: Array,
@@ -75,33 +78,32 @@ def _reach(
     """One arm of `reach_hands`; `world` are the motion's joint positions and rotations."""
     skeleton = motion.skeleton
     places, turns = world
-    names = ("upper_arm", "forearm", "hand")
-    joints = [skeleton.joint(f"{part}.{SIDES[side]}") for part in names]
+    joints = [skeleton.joint(f"{part}.{SIDES[side]}") for part in ("upper_arm", "forearm", "hand")]
     chest = spine(skeleton)[-1]
-    target, hand = _through_gaps(places[:, chest], turns[:, chest], target, hand, valid)
+    target, hand = _through_gaps(places[chest], turns[chest], target, hand, valid)
+    limb = np.stack([places[j] for j in joints], axis=1)
+    upper, lower = limb[:, 1] - limb[:, 0], limb[:, 2] - limb[:, 1]
+    lengths = norm(upper), norm(lower)
+    longest = lengths[0] + lengths[1]
 
-    limb = places[:, joints]
-    bones = limb[:, 1:] - limb[:, :-1]
-    upper, lower = np.linalg.norm(bones, axis=-1).T
     wanted: dict[int, Array] = {}
-    clavicle = skeleton.find(f"clavicle.{SIDES[side]}")
     shoulder = limb[:, 0]
+    clavicle = skeleton.find(f"clavicle.{SIDES[side]}")
     if clavicle >= 0:
-        help_turn = _clavicle_help(places[:, clavicle], shoulder, target, upper + lower)
-        wanted[clavicle] = quat.multiply(help_turn, turns[:, clavicle])
-        shoulder = places[:, clavicle] + quat.rotate(help_turn, shoulder - places[:, clavicle])
+        turn = _clavicle_help(places[clavicle], shoulder, target, longest)
+        wanted[clavicle] = quat.multiply(turn, turns[clavicle])
+        shoulder = places[clavicle] + quat.rotate(turn, shoulder - places[clavicle])
 
-    line = two_bone.unit(target - shoulder)
-    aim = _elbow_aim(motion.fps, side, line, turns[:, chest], hand, limb)
-    way, length = target - shoulder, upper + lower
-    distance = np.linalg.norm(way, axis=-1)
-    held = np.minimum(1.0, (length - _SLACK) / np.maximum(distance, 1e-9))[:, None]
-    mid, end, _ = two_bone.triangle(upper, lower, way * held, aim)
-    arm = _hinge(turns[:, joints[0]], bones[:, 0], mid, aim)
-    forearm = _hinge(turns[:, joints[1]], bones[:, 1], end - mid, aim)
+    way = target - shoulder
+    distance = norm(way)
+    aim = _elbow_aim(motion.fps, side, unit(way), turns[chest], hand, limb)
+    held = np.minimum(1.0, (longest - _SLACK) / np.maximum(distance, 1e-9))[:, None]
+    mid, end, _ = two_bone.triangle(*lengths, way * held, aim)
+    arm = _hinge(turns[joints[0]], upper, mid, aim)
+    forearm = _hinge(turns[joints[1]], lower, end - mid, aim)
     wanted |= {joints[0]: arm, joints[1]: _twisted(forearm, end - mid, hand), joints[2]: hand}
     solved = with_world_rotations(motion, wanted)
-    missed = (distance > length) | (distance < np.abs(upper - lower) - 1e-3)
+    missed = (distance > longest) | (distance < np.abs(lengths[0] - lengths[1]) - 1e-3)
     return _blend(motion, solved, list(wanted), validity.weights(valid, motion.fps)), missed
 
 
@@ -122,13 +124,13 @@ def _clavicle_help(clavicle: Array, shoulder: Array, target: Array, length: Arra
     """Turn of the clavicle `(T, 4)` that brings the shoulder nearer to a target at the end of the arm's
     reach."""
     arm, way = shoulder - clavicle, target - shoulder
-    excess = np.linalg.norm(way, axis=-1) - _HELP_FROM * length
+    excess = norm(way) - _HELP_FROM * length
     excess = 0.5 * (excess + np.sqrt(excess**2 + _HELP_SOFT**2))
     # the shoulder moves towards the target by |axis| metres for each radian about the axis
-    axis = np.cross(arm, two_bone.unit(way))
-    lever = np.linalg.norm(axis, axis=-1)
+    axis = cross(arm, unit(way))
+    lever = norm(axis)
     angle = _HELP_MOST * np.tanh(excess * lever / (lever**2 + 0.03**2) / _HELP_MOST)
-    return quat.from_rotation_vector(two_bone.unit(axis) * angle[:, None])
+    return quat.from_rotation_vector(unit(axis) * angle[:, None])
 
 
 def _elbow_aim(fps: float, side: int, line: Array, chest: Array, hand: Array, limb: Array) -> Array:
@@ -137,11 +139,11 @@ def _elbow_aim(fps: float, side: int, line: Array, chest: Array, hand: Array, li
     sign = np.array([-1.0 if SIDES[side] == "L" else 1.0, 1.0, 1.0])
     liked = quat.rotate(chest, _ELBOW * sign)
     along_hand = quat.rotate(hand, np.array([1.0, 0.0, 0.0]) * sign)
-    bent = two_bone.across(limb[:, 1] - limb[:, 0], two_bone.unit(limb[:, 2] - limb[:, 0]))
-    bent = bent / np.maximum(np.linalg.norm(bent, axis=-1, keepdims=True), 0.05)
+    bent = across(limb[:, 1] - limb[:, 0], unit(limb[:, 2] - limb[:, 0]))
+    bent = bent / np.maximum(norm(bent)[:, None], 0.05)
     aim = liked - _FROM_HAND * along_hand + _FROM_MOTION * bent
-    smooth = filters.gaussian(two_bone.across(aim, line), _AIM_S * fps)
-    return two_bone.across(smooth, line)
+    smooth = filters.gaussian(across(aim, line), _AIM_S * fps)
+    return across(smooth, line)
 
 
 def _hinge(rotation: Array, bone: Array, along: Array, aim: Array) -> Array:
@@ -153,15 +155,15 @@ def _hinge(rotation: Array, bone: Array, along: Array, aim: Array) -> Array:
         along: `(T, 3)` where the end shall be.
         aim: `(T, 3)` see `_elbow_aim`.
     """
-    rest = two_bone.plane(quat.rotate(quat.conjugate(rotation), bone), np.broadcast_to(_BACK, bone.shape))
-    return quat.from_matrix(two_bone.plane(along, aim) @ np.swapaxes(rest, -1, -2))
+    rest = plane(quat.rotate(quat.conjugate(rotation), bone), np.broadcast_to(_BACK, bone.shape))
+    return quat.from_matrix(plane(along, aim) @ np.swapaxes(rest, -1, -2))
 
 
 def _twisted(forearm: Array, along: Array, hand: Array) -> Array:
     """The forearm's rotation `(T, 4)` with its share of the hand's twist about `along` `(T, 3)`."""
-    axis = two_bone.unit(along)
+    axis = unit(along)
     turn = quat.multiply(hand, quat.conjugate(forearm))
-    twist = 2.0 * np.arctan2(np.sum(turn[:, 1:] * axis, axis=-1), turn[:, 0])
+    twist = 2.0 * np.arctan2(dot(turn[:, 1:], axis), turn[:, 0])
     twist = (twist + np.pi) % (2.0 * np.pi) - np.pi
     # at half a turn the side of the twist is open: the share fades out lest the forearm flips
     t = np.clip((np.pi - np.abs(twist)) / np.radians(60.0), 0.0, 1.0)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..mocap.skeleton import SIDES, Motion, Skeleton
+from ..mocap.skeleton import Motion, Skeleton
 from ..recording.body import joint_targets
 from ..recording.recording import Recording
 from ..settings import BakeSettings
@@ -62,8 +62,7 @@ def animate(
         # feet keep the matched motion's height and go along with the body over the ground
         steps = replace(steps, positions=steps.positions + np.pad(moved, ((0, 0), (0, 1))))
     held = contacts if settings.foot_lock else np.zeros_like(contacts)
-    thighs = body.forward()[0][:, [skeleton.joint(f"thigh.{side}") for side in SIDES]]
-    plan = plan_feet(steps, held, settings.unlock_distance, settings.halflife, thighs)
+    plan = plan_feet(steps, held, settings.unlock_distance, settings.halflife, body)
     body = place_feet(body, plan)
     unreachable = np.zeros(contacts.shape, np.bool_)
     if settings.arms:

@@ -17,7 +17,7 @@ from ..database.contacts import toe_places
 from ..maths import quat
 from ..mocap.skeleton import SIDES, Motion, Skeleton
 from . import heel, locks, two_bone
-from .pose import with_world_rotations
+from .pose import with_world_rotations, world_positions, world_rotations
 
 Array = NDArray[np.floating[Any]]
 
@@ -45,7 +45,7 @@ def plan_feet(
     contacts: NDArray[np.bool_],
     unlock_distance: float,
     halflife: float,
-    thighs: Array | None = None,
+    body: Motion | None = None,
 ) -> FootPlan:
     """Where the feet of a motion go once they are locked to the floor.
 
@@ -58,27 +58,26 @@ def plan_feet(
         contacts: `(T, 2)` left, right foot on the ground.
         unlock_distance: metres.
         halflife: seconds in which half of a lock's offset is gone when the foot is in the air for long.
-        thighs: `(T, 2, 3)` where the thigh joints will be, metres; where the motion has them by default.
+        body: the motion whose hips the legs will hang from; `motion` by default.
     """
-    positions, rotations = motion.forward()
     skeleton = motion.skeleton
-    joints, shifts = toe_places(skeleton)
-    toes = positions[:, joints] + quat.rotate(rotations[:, joints], shifts)
-    feet = [skeleton.joint(f"foot.{side}") for side in SIDES]
-    hips = positions[:, [skeleton.joint(f"thigh.{side}") for side in SIDES]] if thighs is None else thighs
-    body = _Feet(skeleton)
+    legs = [_Leg(skeleton, side) for side in range(2)]
+    hips = world_positions(body or motion, world_rotations(body or motion, [leg.thigh for leg in legs]))
+    rotations = world_rotations(motion, [leg.end for leg in legs])
+    positions = world_positions(motion, rotations)
     held = np.zeros_like(contacts)
-    blend = max(2, round(4.0 * halflife * motion.fps))
-    for i in range(2):
-        path, height = toes[:, i], float(body.heights[i])
-        found = locks.find_locks(path, contacts[:, i], height, unlock_distance, motion.fps)
-        pitch = heel.pitch_of(rotations[:, feet[i]], body.to_toe[i])
-        found = [_within_reach(lock, pitch, hips[:, i], heel.longest(body.lengths[i])) for lock in found]
+    toes = np.empty((len(motion), 2, 3))
+    for side, leg in enumerate(legs):
+        path = positions[leg.end] + quat.rotate(rotations[leg.end], leg.shift)
+        found = locks.find_locks(path, contacts[:, side], leg.height, unlock_distance, motion.fps)
+        pitch = heel.pitch_of(rotations[leg.foot], leg.to_toe)
+        found = [_within_reach(lock, pitch, hips[leg.thigh], heel.longest(leg.length)) for lock in found]
         for lock in found:
-            held[lock.first : lock.last + 1, i] = True
-        path += locks.offsets(path, found, blend)
-        path[:, 2] = height + locks.clear(path[:, 2] - height, held[:, i], motion.fps)
-    return FootPlan(toes, rotations[:, feet], held)
+            held[lock.first : lock.last + 1, side] = True
+        path += locks.offsets(path, found, max(2, round(4.0 * halflife * motion.fps)))
+        path[:, 2] = leg.height + locks.clear(path[:, 2] - leg.height, held[:, side], motion.fps)
+        toes[:, side] = path
+    return FootPlan(toes, np.stack([rotations[leg.foot] for leg in legs], axis=1), held)
 
 
 def place_feet(motion: Motion, plan: FootPlan) -> Motion:
@@ -88,51 +87,43 @@ def place_feet(motion: Motion, plan: FootPlan) -> Motion:
     where the leg would be too short. A toe bends where its tip would sink into the floor. A leg that is
     still too short is straight towards the toe.
     """
-    positions, rotations = motion.forward()
-    skeleton = motion.skeleton
-    body = _Feet(skeleton)
+    legs = [_Leg(motion.skeleton, side) for side in range(2)]
+    rotations = world_rotations(motion, [leg.end for leg in legs])
+    positions = world_positions(motion, rotations)
     wanted: dict[int, Array] = {}
-    for i, side in enumerate(SIDES):
-        thigh, shin, foot = (skeleton.joint(f"{part}.{side}") for part in ("thigh", "shin", "foot"))
-        toes, height, limb = plan.toes[:, i], float(body.heights[i]), positions[:, [thigh, shin, foot]]
-        turned = heel.raise_heel(
-            plan.rotations[:, i], body.to_toe[i], height, toes, limb[:, 0], body.lengths[i], motion.fps
-        )
-        ankles = toes - quat.rotate(turned, body.to_toe[i])
-        bend = two_bone.bend_direction(limb, quat.rotate(rotations[:, shin], _FORWARD), _SOFT_KNEE)
-        swing = quat.between(limb[:, 2] - limb[:, 0], ankles - limb[:, 0])
-        solved, _ = two_bone.reach(limb, rotations[:, [thigh, shin]], ankles, bend, quat.rotate(swing, bend))
-        wanted |= {thigh: solved[:, 0], shin: solved[:, 1], foot: turned}
-        toe = skeleton.find(f"toe.{side}")
-        if toe >= 0:
-            # the toe keeps its bend against the foot
-            bent = quat.multiply(quat.conjugate(rotations[:, foot]), rotations[:, toe])
-            bent = quat.multiply(turned, bent)
-            wanted[toe] = heel.raise_tip(bent, body.tips[i], toes[:, 2], height)
+    for side, leg in enumerate(legs):
+        toes, hips = plan.toes[:, side], positions[leg.thigh]
+        foot = plan.rotations[:, side]
+        foot = heel.raise_heel(foot, leg.to_toe, leg.height, toes, hips, leg.length, motion.fps)
+        ankles = toes - quat.rotate(foot, leg.to_toe)
+        limb = np.stack([hips, positions[leg.shin], positions[leg.foot]], axis=1)
+        bend = two_bone.bend_direction(limb, quat.rotate(rotations[leg.shin], _FORWARD), _SOFT_KNEE)
+        aim = quat.rotate(quat.between(limb[:, 2] - hips, ankles - hips), bend)
+        bones = np.stack([rotations[leg.thigh], rotations[leg.shin]], axis=1)
+        bones, _ = two_bone.reach(limb, bones, ankles, bend, aim)
+        wanted |= {leg.thigh: bones[:, 0], leg.shin: bones[:, 1], leg.foot: foot}
+        if leg.end != leg.foot:
+            bent = quat.multiply(quat.conjugate(rotations[leg.foot]), rotations[leg.end])
+            wanted[leg.end] = heel.raise_tip(quat.multiply(foot, bent), leg.tip, toes[:, 2], leg.height)
     return with_world_rotations(motion, wanted)
 
 
-class _Feet:
-    """Measures of both feet and legs in T-pose, metres."""
+class _Leg:
+    """Joints and measures of a leg in T-pose, metres."""
 
-    def __init__(self, skeleton: Skeleton) -> None:
+    def __init__(self, skeleton: Skeleton, side: int) -> None:
+        parts = [skeleton.joint(f"{part}.{SIDES[side]}") for part in ("thigh", "shin", "foot")]
+        self.thigh, self.shin, self.foot = parts
         joints, shifts = toe_places(skeleton)
+        self.end, self.shift = int(joints[side]), shifts[side]
+        """The toe joint, or the foot where there is none, and the way from it to what stands for the toe."""
         standing = skeleton.tpose_positions()
-        toes = standing[joints] + shifts
-        feet = [skeleton.joint(f"foot.{side}") for side in SIDES]
-        legs = [
-            standing[[skeleton.joint(f"{part}.{side}") for part in ("thigh", "shin", "foot")]]
-            for side in SIDES
-        ]
-        self.to_toe: Array = toes - standing[feet]
-        """`(2, 3)` from foot joint to toe."""
-        self.heights: Array = np.maximum(toes[:, 2], 0.0)
-        """`(2,)` of the toes over the floor."""
-        self.lengths = [float(np.linalg.norm(np.diff(leg, axis=0), axis=-1).sum()) for leg in legs]
-        """Of the two legs."""
-        known = np.linalg.norm(skeleton.tips[joints], axis=-1, keepdims=True) > 5e-3
-        self.tips: Array = np.where(known, skeleton.tips[joints], _TIP * self.to_toe[:, 1:2] * _FORWARD)
-        """`(2, 3)` from toe joint to the end of the toe."""
+        toe = standing[self.end] + self.shift
+        self.to_toe = toe - standing[self.foot]
+        self.height = max(float(toe[2]), 0.0)
+        self.length = float(np.linalg.norm(np.diff(standing[parts], axis=0), axis=-1).sum())
+        tip = skeleton.tips[self.end]
+        self.tip = tip if np.linalg.norm(tip) > 5e-3 else _TIP * self.to_toe[1] * _FORWARD
 
 
 def _within_reach(lock: locks.Lock, pitch: heel.Pitch, hips: Array, length: float) -> locks.Lock:
@@ -144,12 +135,12 @@ def _within_reach(lock: locks.Lock, pitch: heel.Pitch, hips: Array, length: floa
     point = lock.point.copy()
     # each turn mends the worst frame; frames that pull opposite ways settle between
     for _ in range(8):
-        way = hips[span] - point
         excess = part.nearest(hips[span], point) - length
         worst = int(np.argmax(excess))
-        level = float(np.linalg.norm(way[worst, :2]))
+        way = hips[lock.first + worst] - point
+        level = float(np.linalg.norm(way[:2]))
         if excess[worst] <= 0.0 or level < 1e-3:
             break
-        step = min(float(excess[worst] * np.linalg.norm(way[worst])) / level, level)
-        point[:2] += way[worst, :2] * (step / level)
+        step = min(float(excess[worst] * np.linalg.norm(way)) / level, level)
+        point[:2] += way[:2] * (step / level)
     return replace(lock, point=point)

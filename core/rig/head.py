@@ -19,6 +19,7 @@ from ..mocap.skeleton import Motion
 from . import validity
 from .pose import with_world_rotations
 from .retarget import neck, path, pelvis, spine
+from .vectors import norm
 
 Array = NDArray[np.floating[Any]]
 
@@ -103,7 +104,7 @@ class _Chain:
     def turn_head(self, vector: Array) -> None:
         """Turn the head by rotation vectors `(T, 3)` in the world, and what carries it by shares of them."""
         # a half turn has no side: the share fades out towards it, lest the chest flips from left to right
-        angle = np.linalg.norm(vector, axis=-1, keepdims=True)
+        angle = norm(vector)[:, None]
         shared = vector * _fade(angle)
         last = len(self.joints) - 1
         for i in range(self.pelvis, last):
@@ -118,7 +119,7 @@ class _Chain:
         """Bend the trunk forward by angles `(T,)`, half in the hips, the rest along the spine; neck and
         head stay."""
         right = quat.rotate(self.rotations[0], np.array([1.0, 0.0, 0.0])) * np.array([1.0, 1.0, 0.0])
-        right /= np.maximum(np.linalg.norm(right, axis=-1, keepdims=True), 1e-9)
+        right /= np.maximum(norm(right)[:, None], 1e-9)
         for i in range(self.chest + 1):
             share = 0.5 + 0.5 * max(i - self.pelvis + 1, 0) / max(self.chest - self.pelvis + 1, 1)
             self._rotate(i, -right * (share * angle)[:, None])
@@ -131,9 +132,9 @@ class _Chain:
             return
         places = self.places()
         levers = sum(places[-1][:, 2] - places[i][:, 2] for i in range(self.pelvis, self.chest + 1))
-        total = np.linalg.norm(way, axis=-1) * count / np.maximum(levers, 0.3)
+        total = norm(way) * count / np.maximum(levers, 0.3)
         axis = np.stack([-way[:, 1], way[:, 0], np.zeros(len(way))], axis=-1)
-        axis /= np.maximum(np.linalg.norm(axis, axis=-1, keepdims=True), 1e-9)
+        axis /= np.maximum(norm(axis)[:, None], 1e-9)
         vector = axis * (_BEND * np.tanh(total / _BEND))[:, None]
         for i in range(self.pelvis, self.chest + 1):
             self._rotate(i, vector * ((i - self.pelvis + 1) / count))

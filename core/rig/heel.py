@@ -11,7 +11,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from ..maths import filters, quat
-from .two_bone import unit
+from .vectors import dot, level, unit
 
 Array = NDArray[np.floating[Any]]
 
@@ -52,11 +52,11 @@ class Pitch:
             toes: `(T, 3)` or `(3,)`.
         """
         w = hips - toes
-        along, up = np.sum(w * self.back, axis=-1), w[..., 2]
+        along, up = dot(w, self.back), w[..., 2]
         angle = np.clip(np.arctan2(up, along), self.angle, np.maximum(self.angle, _STEEPEST))
         meeting = self.radius * (along * np.cos(angle) + up * np.sin(angle))
-        meeting += np.sum(w * self.right, axis=-1) * self.aside
-        square = np.sum(w * w, axis=-1) + self.radius**2 + self.aside**2 - 2.0 * meeting
+        meeting += dot(w, self.right) * self.aside
+        square = dot(w, w) + self.radius**2 + self.aside**2 - 2.0 * meeting
         return np.sqrt(np.maximum(square, 0.0))
 
     def reaching(self, hips: Array, toes: Array, length: float) -> Array:
@@ -67,9 +67,9 @@ class Pitch:
         / 2r.
         """
         w = hips - toes
-        along, up = np.sum(w * self.back, axis=-1), w[..., 2]
-        across = np.sum(w * self.right, axis=-1) * self.aside
-        needed = np.sum(w * w, axis=-1) + self.radius**2 + self.aside**2 - length**2 - 2.0 * across
+        along, up = dot(w, self.back), w[..., 2]
+        across = dot(w, self.right) * self.aside
+        needed = dot(w, w) + self.radius**2 + self.aside**2 - length**2 - 2.0 * across
         cosine = needed / np.maximum(2.0 * self.radius * np.hypot(along, up), 1e-9)
         return np.arctan2(up, along) - np.arccos(np.clip(cosine, -1.0, 1.0))
 
@@ -82,12 +82,10 @@ def pitch_of(rotations: Array, foot_to_toe: Array) -> Pitch:
         foot_to_toe: `(3,)` from foot joint to toe in T-pose, metres.
     """
     away = -quat.rotate(rotations, foot_to_toe)
-    right = unit(quat.rotate(rotations, np.array([1.0, 0.0, 0.0])) * np.array([1.0, 1.0, 0.0]))
+    right = unit(level(quat.rotate(rotations, np.array([1.0, 0.0, 0.0]))))
     back = np.stack([right[:, 1], -right[:, 0], np.zeros(len(right))], axis=-1)
-    level = np.sum(away * back, axis=-1)
-    return Pitch(
-        back, right, np.arctan2(away[:, 2], level), np.hypot(level, away[:, 2]), np.sum(away * right, axis=-1)
-    )
+    behind = dot(away, back)
+    return Pitch(back, right, np.arctan2(away[:, 2], behind), np.hypot(behind, away[:, 2]), dot(away, right))
 
 
 def longest(length: float) -> float:
@@ -131,10 +129,10 @@ def raise_tip(rotations: Array, tip: Array, heights: Array, rest_height: float) 
         heights: `(T,)` of the toe joint over the floor, metres.
         rest_height: the same in T-pose.
     """
-    right = unit(quat.rotate(rotations, np.array([1.0, 0.0, 0.0])) * np.array([1.0, 1.0, 0.0]))
+    right = unit(level(quat.rotate(rotations, np.array([1.0, 0.0, 0.0]))))
     forward = np.stack([-right[:, 1], right[:, 0], np.zeros(len(right))], axis=-1)
     end = quat.rotate(rotations, tip)
-    along = np.sum(end * forward, axis=-1)
+    along = dot(end, forward)
     lowest = max(rest_height + float(tip[2]), 0.0) - heights
     needed = np.arcsin(np.clip(lowest / np.maximum(np.hypot(along, end[:, 2]), 1e-9), -1.0, 1.0))
     lift = np.maximum(needed - np.arctan2(end[:, 2], along), 0.0)

@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..maths import kinematics, quat
+from ..maths import quat
 from ..mocap.skeleton import SIDES, Motion, Skeleton
+from .pose import world_rotations
 
 Array = NDArray[np.floating[Any]]
 
@@ -37,18 +38,21 @@ def retarget(motion: Motion, target: Skeleton, *, scale_travel: bool = False) ->
     source = motion.skeleton
     if same_skeleton(source, target):
         return motion
-    _, given = motion.forward()
-    counterparts = _chain_rotations(source, target, given)
+    given = world_rotations(motion, range(len(source)))
+    world = _chain_rotations(source, target, given)
     rotations = np.empty((len(motion), len(target), 4))
     for j, role in enumerate(target.roles):
-        if j in counterparts:
-            rotations[:, j] = counterparts[j]
-        elif role and source.find(role) >= 0:
-            rotations[:, j] = given[:, source.joint(role)]
+        above = int(target.parents[j])
+        if j not in world:
+            known = source.find(role) if role else -1
+            world[j] = given[known] if known >= 0 else world[above]
+        if not j:
+            rotations[:, j] = world[j]
+        elif world[j] is world[above]:
+            rotations[:, j] = quat.IDENTITY
         else:
-            rotations[:, j] = rotations[:, target.parents[j]]
-    positions = _hips_positions(motion, target, given[:, 0], scale_travel)
-    return Motion(target, motion.fps, positions, kinematics.local_rotations(rotations, target.parents))
+            rotations[:, j] = quat.continuous(quat.multiply(quat.conjugate(world[above]), world[j]))
+    return Motion(target, motion.fps, _hips_positions(motion, target, given[0], scale_travel), rotations)
 
 
 def same_skeleton(a: Skeleton, b: Skeleton) -> bool:
@@ -98,9 +102,9 @@ def thighs_middle(skeleton: Skeleton) -> Array:
     return thighs.mean(axis=0) - positions[0]
 
 
-def _chain_rotations(source: Skeleton, target: Skeleton, given: Array) -> dict[int, Array]:
+def _chain_rotations(source: Skeleton, target: Skeleton, given: dict[int, Array]) -> dict[int, Array]:
     """World rotations `(T, 4)` of the target's joints from hips to head, by joint."""
-    hips = dict.fromkeys(pelvis(target), given[:, 0])
+    hips = dict.fromkeys(pelvis(target), given[0])
     spines = spine(source), spine(target)
     heads = source.joint("head"), target.joint("head")
     upper = [spines[0][-1], *neck(source), heads[0]], [spines[1][-1], *neck(target), heads[1]]
@@ -108,18 +112,18 @@ def _chain_rotations(source: Skeleton, target: Skeleton, given: Array) -> dict[i
 
 
 def _resample(
-    source: Skeleton, target: Skeleton, chains: tuple[list[int], list[int]], given: Array
+    source: Skeleton, target: Skeleton, chains: tuple[list[int], list[int]], given: dict[int, Array]
 ) -> dict[int, Array]:
     """World rotations of a target chain whose two ends turn as the source chain's ends do."""
     if len(chains[0]) == len(chains[1]):
-        return {t: given[:, s] for s, t in zip(*chains, strict=True)}
+        return {t: given[s] for s, t in zip(*chains, strict=True)}
     if len(chains[0]) == 1 or len(chains[1]) == 1:
-        return dict.fromkeys(chains[1], given[:, chains[0][0]])
+        return dict.fromkeys(chains[1], given[chains[0][0]])
     knots, places = _arc(source, chains[0]), _arc(target, chains[1])
     before = np.clip(np.searchsorted(knots, places, side="right") - 1, 0, len(knots) - 2)
     shares = np.clip((places - knots[before]) / (knots[before + 1] - knots[before]), 0.0, 1.0)
     return {
-        joint: quat.slerp(given[:, chains[0][k]], given[:, chains[0][k + 1]], share)
+        joint: quat.slerp(given[chains[0][k]], given[chains[0][k + 1]], share)
         for joint, k, share in zip(chains[1], before.tolist(), shares, strict=True)
     }
 

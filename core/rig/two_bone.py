@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..maths import quat
+from .vectors import across, norm, plane, unit
 
 Array = NDArray[np.floating[Any]]
 
@@ -34,7 +35,7 @@ def reach(
     """
     upper, lower = joints[..., 1, :] - joints[..., 0, :], joints[..., 2, :] - joints[..., 1, :]
     line, wanted = joints[..., 2, :] - joints[..., 0, :], targets - joints[..., 0, :]
-    mid, end, reached = triangle(_norm(upper)[..., 0], _norm(lower)[..., 0], wanted, aim)
+    mid, end, reached = triangle(norm(upper), norm(lower), wanted, aim)
     whole = quat.multiply(
         quat.from_matrix(plane(wanted, aim)), quat.conjugate(quat.from_matrix(plane(line, bend)))
     )
@@ -57,7 +58,7 @@ def triangle(upper: Array, lower: Array, wanted: Array, aim: Array) -> tuple[Arr
     Returns:
         Mid joint `(..., 3)`, end `(..., 3)`, and `(...)` whether the end is at the target.
     """
-    distance = np.linalg.norm(wanted, axis=-1)
+    distance = norm(wanted)
     span = np.clip(distance, np.abs(upper - lower), upper + lower)
     cosine = (upper**2 + span**2 - lower**2) / np.maximum(2.0 * upper * span, 1e-12)
     cosine = np.clip(cosine, -1.0, 1.0)
@@ -80,29 +81,3 @@ def bend_direction(joints: Array, hint: Array, softness: float) -> Array:
     """
     along = unit(joints[..., 2, :] - joints[..., 0, :])
     return across(joints[..., 1, :] - joints[..., 0, :], along) + softness * across(hint, along)
-
-
-def plane(along: Array, side: Array) -> Array:
-    """Right-handed axes `(..., 3, 3)` in columns: `along`, the part of `side` across it, their cross
-    product."""
-    x = unit(along)
-    y = across(side, x)
-    # a side along the line tells no plane: any will do
-    least = np.eye(3)[np.argmin(np.abs(x), axis=-1)]
-    y = unit(np.where(_norm(y) > 1e-9, y, across(least, x)))
-    return np.stack([x, y, np.cross(x, y)], axis=-1)
-
-
-def unit(vectors: Array) -> Array:
-    """Vectors `(..., 3)` of length 1; X where there is none."""
-    length = _norm(vectors)
-    return np.where(length > 1e-12, vectors / np.maximum(length, 1e-12), np.array([1.0, 0.0, 0.0]))
-
-
-def across(vectors: Array, axis: Array) -> Array:
-    """The part of vectors `(..., 3)` perpendicular to unit vectors `axis`."""
-    return vectors - np.sum(vectors * axis, axis=-1, keepdims=True) * axis
-
-
-def _norm(vectors: Array) -> Array:
-    return np.linalg.norm(vectors, axis=-1, keepdims=True)
