@@ -24,17 +24,22 @@ from .skeleton import ARM, LEG, REQUIRED_ROLES, SIDES, SPINE
 PRESETS = Path(__file__).parents[2] / "presets" / "bone_maps"
 """The presets that ship."""
 _NAMED_ROLES = ("hips", "neck", "head", *ARM, *LEG)
-"""Roles a preset names; the spine follows from the hierarchy."""
+"""Roles a preset names; the spine follows from the hierarchy unless the preset lists it."""
 _SPINE_ROLES = ((), ("chest",), ("spine1", "chest"), ("spine1", "spine3", "chest"), SPINE)
 """Roles of a spine of so many joints."""
 
 
 @dataclass(frozen=True, slots=True)
 class Preset:
-    """One naming scheme: for each role the names it may have, reduced as by `_reduce`."""
+    """One naming scheme. All names are reduced as by `_reduce`."""
 
     name: str
     names: dict[str, tuple[str, ...]]
+    """For each role the names it may have."""
+    spine: tuple[str, ...] = ()
+    """Names of the spine's joints upwards, for rigs whose parents do not tell; else empty."""
+    constrained: tuple[str, ...] = ()
+    """Parts of limbs ("clavicle") that carry the next one by constraints, not as its parent."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,28 +72,27 @@ def match_roles(
     reduced = [_reduce(name) for name in names]
     ancestors = _ancestors(parents)
     best: dict[str, int] = {}
-    best_preset = ""
+    fitting: Preset | None = None
     nearest: tuple[int, str, list[str]] = (0, "", [])
     for preset in shipped_presets() if presets is None else presets:
         for prefix in _prefixes(preset, reduced):
             found = _find(preset, prefix, reduced, ancestors)
             missing = [role for role in REQUIRED_ROLES if role not in found]
             if not missing and len(found) > len(best):
-                best, best_preset = found, preset.name
+                best, fitting = found, preset
             if missing and len(found) > nearest[0]:
                 nearest = (len(found), preset.name, missing)
-    if not best:
+    if fitting is None:
         raise InputError(_no_match(nearest))
     doubts = [
-        f"several joints are called {names[j]}; the first is taken as {role}"
-        for role, j in best.items()
-        if list(names).count(names[j]) > 1
+        f"several joints are called {names[joint]}; the first is taken as {role}"
+        for role, joint in best.items()
+        if list(names).count(names[joint]) > 1
     ]
-    best |= _spine(best, ancestors)
     roles = [""] * len(names)
-    for role, joint in best.items():
+    for role, joint in (best | _spine(fitting, best, reduced, ancestors)).items():
         roles[joint] = role
-    return RoleMatch(best_preset, tuple(roles), tuple(doubts))
+    return RoleMatch(fitting.name, tuple(roles), tuple(doubts))
 
 
 @functools.cache
@@ -98,33 +102,39 @@ def shipped_presets() -> tuple[Preset, ...]:
 
 
 def read_preset(path: str | os.PathLike[str]) -> Preset:
-    """Read a bone map: JSON with `name`, `sides` (left, right) and `joints`: role to name(s) with `{side}`.
+    """Read a bone map, a JSON file as the ones that ship.
+
+    It has `name`, `sides` (left, right), and `joints`: for each role a name, or names in order of preference, with
+    `{side}` in place of the side. Optional: `spine` and `constrained`, see `Preset`.
 
     Raises:
         InputError: unreadable, not JSON or not a bone map.
     """
     try:
         data: Any = json.loads(Path(path).read_text(encoding="utf-8"))
-        sides = cast("list[str]", data["sides"])
-        names: dict[str, tuple[str, ...]] = {}
-        for role, given in data["joints"].items():
-            if role not in _NAMED_ROLES:
-                raise InputError(f"{path}: unknown role {role!r}; use {', '.join(_NAMED_ROLES)}")
-            templates = [given] if isinstance(given, str) else cast("list[str]", given)
-            if role in ARM or role in LEG:
-                for letter, side in zip(SIDES, sides, strict=True):
-                    names[f"{role}.{letter}"] = tuple(_reduce(t.replace("{side}", side)) for t in templates)
-            else:
-                names[role] = tuple(map(_reduce, templates))
-        preset = Preset(str(data["name"]), names)
+        preset = _preset(data)
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(f"{path}: is not a bone map ({error}); see the ones that ship") from error
+        raise InputError(f"{path}: is not a bone map ({error}); compare it with those that ship") from error
     missing = [role for role in REQUIRED_ROLES if role not in preset.names]
     if missing:
         raise InputError(f"{path}: the bone map has no {', '.join(missing)}; add them")
     return preset
+
+
+def _preset(data: Any) -> Preset:
+    sides = cast("list[str]", data["sides"])
+    names: dict[str, tuple[str, ...]] = {}
+    for role, given in data["joints"].items():
+        if role not in _NAMED_ROLES:
+            raise ValueError(f"{role!r} is none of {', '.join(_NAMED_ROLES)}")
+        templates = [given] if isinstance(given, str) else cast("list[str]", given)
+        if role in ARM or role in LEG:
+            for letter, side in zip(SIDES, sides, strict=True):
+                names[f"{role}.{letter}"] = tuple(_reduce(t.replace("{side}", side)) for t in templates)
+        else:
+            names[role] = tuple(map(_reduce, templates))
+    spine = tuple(map(_reduce, cast("list[str]", data.get("spine", []))))
+    return Preset(str(data["name"]), names, spine, tuple(data.get("constrained", [])))
 
 
 def _reduce(name: str) -> str:
@@ -138,7 +148,7 @@ def _ancestors(parents: NDArray[np.intp]) -> list[list[int]]:
     for joint in range(len(parents)):
         above: list[int] = []
         at = int(parents[joint])
-        while at >= 0 and len(above) <= len(parents):
+        while at >= 0 and len(above) < len(parents):
             above.append(at)
             at = int(parents[at])
         out.append(above)
@@ -164,38 +174,39 @@ def _find(
         joint = next((first[prefix + name] for name in names if prefix + name in first), None)
         if joint is not None:
             found[role] = joint
-    wrong = [role for role, joint in found.items() if not _hangs_well(role, joint, found, ancestors)]
-    for role in wrong:
-        del found[role]
-    return found
+    return {role: joint for role, joint in found.items() if _hangs_well(preset, role, found, ancestors)}
 
 
-def _hangs_well(role: str, joint: int, found: dict[str, int], ancestors: Sequence[Sequence[int]]) -> bool:
+def _hangs_well(preset: Preset, role: str, found: dict[str, int], ancestors: Sequence[Sequence[int]]) -> bool:
     """Whether a joint lies below the hips and below its own limb's joints, and below no other limb."""
-    above = {other for other, index in found.items() if index in ancestors[joint]}
+    above = {other for other, index in found.items() if index in ancestors[found[role]]}
     if role == "hips":
         return not above
     if "hips" in found and "hips" not in above:
         return False
     part, _, side = role.partition(".")
     limb: tuple[str, ...] = ARM if part in ARM else LEG if part in LEG else ("neck", "head")
-    own = [f"{name}.{side}" if side else name for name in limb]
-    before = own[: own.index(role)]
-    allowed = {"hips", *before} | ({"neck"} if limb is ARM else set[str]())
-    return all(other in above for other in before if other in found) and above <= allowed
+    before = [f"{name}.{side}" if side else name for name in limb[: limb.index(part)]]
+    needed = {other for other in before if other.partition(".")[0] not in preset.constrained}
+    # some rigs hang the collar bones on the neck
+    allowed = {"hips", "neck", *before} if limb is ARM else {"hips", *before}
+    return needed & found.keys() <= above <= allowed
 
 
-def _spine(found: dict[str, int], ancestors: Sequence[Sequence[int]]) -> dict[str, int]:
+def _spine(
+    preset: Preset, found: dict[str, int], reduced: Sequence[str], ancestors: Sequence[Sequence[int]]
+) -> dict[str, int]:
     """Roles of the joints between the hips and the neck: the last is the chest, the first spine1."""
-    hips, end = found["hips"], found.get("neck", found["head"])
-    chain = ancestors[end][: ancestors[end].index(hips)][::-1]
-    # what lies above the arms' root is neck, named so or not
-    below = [
-        joint for joint in chain if all(joint in ancestors[found[f"upper_arm.{side}"]] for side in SIDES)
-    ]
-    count = min(len(below), len(SPINE))
-    steps = np.round(np.linspace(0, len(below) - 1, count)).astype(int).tolist()
-    return {role: below[step] for role, step in zip(_SPINE_ROLES[count], steps, strict=True)}
+    chain = [reduced.index(name) for name in preset.spine if name in reduced]
+    if not preset.spine:
+        end = found.get("neck", found["head"])
+        between = ancestors[end][: ancestors[end].index(found["hips"])][::-1]
+        # what lies above the arms' root is neck, named so or not
+        arms = [ancestors[found[f"upper_arm.{side}"]] for side in SIDES]
+        chain = [joint for joint in between if all(joint in arm for arm in arms)]
+    count = min(len(chain), len(SPINE))
+    steps = np.round(np.linspace(0, len(chain) - 1, count)).astype(int).tolist()
+    return {role: chain[step] for role, step in zip(_SPINE_ROLES[count], steps, strict=True)}
 
 
 def _no_match(nearest: tuple[int, str, list[str]]) -> str:
