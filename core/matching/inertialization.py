@@ -114,7 +114,7 @@ class _Rates:
     root: Array
     """`(K, 3)` m/s in root space."""
     turn: Array
-    """`(K, 3)` rad/s of the root."""
+    """`(K,)` rad/s of the root."""
     hips: Array
     """`(K, 3)` m/s in root space."""
     joints: Array
@@ -123,14 +123,12 @@ class _Rates:
 
 def _rates(databases: Sequence[MotionDatabase], database: Frames, frame: Frames) -> _Rates:
     count, joints = len(frame), len(databases[0].skeleton)
-    out = _Rates(
-        np.zeros((count, 3)), np.zeros((count, 3)), np.empty((count, 3)), np.empty((count, joints, 3))
-    )
+    out = _Rates(np.zeros((count, 3)), np.empty(count), np.empty((count, 3)), np.empty((count, joints, 3)))
     for index, source in enumerate(databases):
         mine = np.flatnonzero(database == index)
         poses, rows = source.poses, frame[mine]
         out.root[mine, :2] = poses.root_velocities[rows]
-        out.turn[mine, 2] = poses.root_yaw_velocities[rows]
+        out.turn[mine] = poses.root_yaw_velocities[rows]
         out.hips[mine] = poses.hips_velocities[rows]
         out.joints[mine] = poses.angular_velocities[rows]
     return out
@@ -152,16 +150,20 @@ def _offsets(playback: Playback, databases: Sequence[MotionDatabase], fps: float
     )
     starts = np.concatenate([np.zeros(1, dtype=np.intp), at])
 
+    ages = np.diff(starts) / fps
     hips = np.zeros((len(starts), 3)), np.zeros((len(starts), 3))
     jump, push, spin = old_hips - new_hips, old.root + old.hips - new.root - new.hips, old.turn - new.turn
-    for k, age in enumerate(np.diff(starts) / fps):
+    for k, age in enumerate(ages.tolist()):
         value, speed = _decay(hips[0][k], hips[1][k], age, rate)
+        place = old_hips[k] + value
         hips[0][k + 1] = value + jump[k]
-        hips[1][k + 1] = speed + push[k] + np.cross(spin[k], old_hips[k] + value)
+        hips[1][k + 1] = speed + push[k]
+        hips[1][k + 1, 0] -= spin[k] * place[1]
+        hips[1][k + 1, 1] += spin[k] * place[0]
 
     jumps = quat.multiply(old_rotations, quat.conjugate(new_rotations))
     pushes = old.joints - quat.rotate(jumps, new.joints)
-    rotations = _rotation_offsets(np.diff(starts) / fps, jumps, pushes, spin, rate)
+    rotations = _rotation_offsets(ages, jumps, pushes, spin, rate)
     return _Blend(starts, hips, rotations)
 
 
@@ -180,14 +182,16 @@ def _rotation_offsets(
         ages: `(K,)` seconds from the transition before, the first from frame 0.
         jumps: `(K, J, 4)` from the new rotation to the old one.
         pushes: `(K, J, 3)` rad/s, old angular velocity less the new one turned by the jump.
-        spin: `(K, 3)` rad/s by which the root turned faster before.
+        spin: `(K,)` rad/s by which the root turned faster before.
         rate: of the spring, 1/s.
     """
     count, joints = jumps.shape[:2]
     values, speeds = np.zeros((count + 1, joints, 3)), np.zeros((count + 1, joints, 3))
+    # the product with a jump as a matrix: one call for all joints
+    products = np.swapaxes(quat.multiply(np.eye(4), jumps[:, :, None]), -1, -2)
     for k, age in enumerate(ages.tolist()):
         x, dx = _decay(values[k], speeds[k], age, rate)
-        square, cross = np.maximum(np.sum(x * x, axis=-1), _TINY)[:, None], _skew(x)
+        square, cross = _square(x), _skew(x)
         angle = np.sqrt(square)
         # the offset's own angular velocity J(x) dx and, by the same products, the push turned by the offset
         once = cross @ np.stack([dx, pushes[k]], axis=-1)
@@ -195,8 +199,9 @@ def _rotation_offsets(
         ratio, half = np.sin(angle) / angle, (1.0 - np.cos(angle)) / square
         velocity = dx + half * once[..., 0] + (1.0 - ratio) / square * twice[..., 0]
         velocity += pushes[k] + ratio * once[..., 1] + half * twice[..., 1]
-        velocity[0] += spin[k]
-        values[k + 1] = x = quat.to_rotation_vector(quat.multiply(quat.from_rotation_vector(x), jumps[k]))
+        velocity[0, 2] += spin[k]
+        turn = np.concatenate([np.cos(0.5 * angle), np.sin(0.5 * angle) / angle * x], axis=-1)
+        values[k + 1] = x = quat.to_rotation_vector((products[k] @ turn[..., None])[..., 0])
         speeds[k + 1] = _unwind(x, velocity)
     return values, speeds
 
@@ -204,11 +209,16 @@ def _rotation_offsets(
 def _unwind(x: Array, velocity: Array) -> Array:
     """The derivative `(J, 3)` of rotation vectors `x` that turns at an angular `velocity`: the inverse of
     J(x)."""
-    square, cross = np.maximum(np.sum(x * x, axis=-1), _TINY)[:, None], _skew(x)
+    square, cross = _square(x), _skew(x)
     half = 0.5 * np.sqrt(square)
     once = cross @ velocity[..., None]
     twice = cross @ once
     return velocity - 0.5 * once[..., 0] + (1.0 - half / np.tan(half)) / square * twice[..., 0]
+
+
+def _square(x: Array) -> Array:
+    """Squared angles `(J, 1)` of rotation vectors `(J, 3)`, kept from zero."""
+    return np.maximum(np.einsum("ij,ij->i", x, x), _TINY)[:, None]
 
 
 def _skew(x: Array) -> Array:

@@ -27,6 +27,8 @@ Array = NDArray[np.floating[Any]]
 
 ADJUSTMENT_HALFLIFE_S = 0.1
 """The root would reach half way to its target in this time, were it not for the limit by speed."""
+NEAR_S = 1.0 / 3.0
+"""A find within this time of the present frame in its clip is left alone: the clip gets there by itself."""
 QUICK_CHANGE = 0.2**2 * 60.0
 """Rise of the target's squared speed, (m/s)^2 per second, from which a search does not wait: 0.2^2 a frame
 at 60 fps."""
@@ -203,7 +205,8 @@ class _Player:
         may_stay = wanted == database and frame < now.last[frame]
         found, _ = then.search.nearest(query, then.search.cost(query, frame) if may_stay else math.inf)
         self._searches += 1
-        if found < 0:
+        near = abs(found - frame) <= NEAR_S * self._trajectory.fps and now.last[found] == now.last[frame]
+        if found < 0 or (may_stay and near):
             return database, frame
         self._transitions.append(t)
         return wanted, found

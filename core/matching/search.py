@@ -8,6 +8,7 @@ they return the same frame, the lowest of those that tie.
 
 from __future__ import annotations
 
+import math
 from typing import Any, Protocol
 
 import numpy as np
@@ -96,18 +97,19 @@ class _Exact:
         return float(self._costs(query, np.array([frame]))[0])
 
     def _costs(self, query: Array, frames: Rows) -> Array:
-        return np.sum(self._weights * (self._values[frames] - query) ** 2, axis=-1)
+        away = self._values[frames] - query
+        return np.add.reduce(self._weights * (away * away), axis=-1)
 
     def _best(self, query: Array, rows: Rows, limit: float) -> tuple[int, float]:
         """The cheapest of the ascending valid `rows`; -1 where none is below `limit`."""
         frames = self._frames[rows]
         costs = self._costs(query, frames)
-        best = int(np.argmin(costs))
+        best = int(costs.argmin())
         cost = float(costs[best])
         return (int(frames[best]), cost) if cost < limit else (-1, cost)
 
     def _slack(self, scaled: Array) -> float:
-        return _ROUNDING * (self._radius + float(np.sqrt(scaled @ scaled))) ** 2
+        return _ROUNDING * (self._radius + math.sqrt(scaled @ scaled)) ** 2
 
 
 class MatrixSearch(_Exact):
@@ -128,7 +130,7 @@ class MatrixSearch(_Exact):
         self._query[:-1] = scaled
         scores = np.dot(self._query, self._columns, out=self._scores)
         near = scores[scores.argmin()] + np.float32(2.0 * self._slack(scaled))
-        return self._best(query, np.flatnonzero(scores <= near), limit)
+        return self._best(query, (scores <= near).nonzero()[0], limit)
 
 
 class BoxSearch(_Exact):

@@ -134,7 +134,7 @@ def test_pose_and_velocity_go_on_through_transitions(make_database, gap):
     change = np.linalg.norm(np.diff(velocities, axis=0), axis=-1)
     # what a jump of the pose would look like: without a blend the first pose of each run stands for itself
     for t in playback.transitions.tolist():
-        assert change[t - 2 : t].max() < 0.06, "m/s from one frame of 1/960 s to the next"
+        assert change[t - 2 : t].max() < 0.1, "m/s from one frame of 1/960 s to the next"
     raw = replace(playback, transitions=np.zeros(0, dtype=np.intp))
     unblended = np.linalg.norm(np.diff(joint_places(assemble(raw, dbs, BakeSettings())[0]), axis=0), axis=-1)
     jumps = unblended[playback.transitions - 1].max(axis=-1)
@@ -144,14 +144,14 @@ def test_pose_and_velocity_go_on_through_transitions(make_database, gap):
 
 
 def test_blocks_and_chains_do_not_show(make_database):
-    """A matched hour-like run: long enough for several blocks, dense in transitions."""
+    """Several blocks long, dense in transitions."""
     db = make_database(6)
     rng = np.random.default_rng(0)
     path = np.cumsum(rng.normal(0, 0.02, (2600, 2)), axis=0)
     options = BakeSettings()
     playback = run(match(make_trajectory(path, np.zeros(2600), 60.0, options), np.ones(2600), [db], options))
     motion, _ = assemble(playback, [db], options)
-    assert len(playback.transitions) > 100
+    assert len(playback.transitions) > 50
     np.testing.assert_allclose(np.linalg.norm(motion.rotations, axis=-1), 1.0, atol=1e-9)
     assert (np.sum(motion.rotations[1:] * motion.rotations[:-1], axis=-1) > 0).all()
     # the tail alone is the tail of the whole, once the offsets at its start have died away

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -79,7 +80,7 @@ def test_without_adjustment_the_root_moves_as_in_the_clip(make_database):
     playback = play([db], make_trajectory(path, yaws, FPS, QUIET), QUIET)
     assert len(playback.transitions) > 3
     borders = [0, *playback.transitions, len(playback) - 1]
-    for start, stop in zip(borders[:-1], borders[1:], strict=True):
+    for start, stop in pairwise(borders):
         if stop - start < 2:
             continue
         # a rigid movement takes the clip's own root path to what was played
@@ -251,5 +252,16 @@ def test_databases_that_do_not_go_together_are_refused(make_database):
     ]:
         with pytest.raises(InputError, match=words):
             play(databases, trajectory, BakeSettings())
-    with pytest.raises(InputError, match="60 frames per second.*resample"):
+    with pytest.raises(InputError, match=r"60 frames per second.*resample"):
         play([slow], trajectory, BakeSettings())
+
+
+def test_what_comes_by_itself_is_not_jumped_to(make_database):
+    db = make_database(14, lengths=(900,))
+    path, yaws = user(15, 600)
+    playback = play([db], make_trajectory(path, yaws, FPS, BakeSettings()), BakeSettings())
+    at = playback.transitions
+    assert len(at) > 5
+    leaps = np.abs(playback.frame[at] - (playback.frame[at - 1] + 1))
+    # at the clip's end, frame 899, everything else is allowed
+    assert (leaps[playback.frame[at - 1] < 898] > 20).all()

@@ -165,5 +165,5 @@ def test_bad_input_is_refused_in_words():
         make_trajectory(np.zeros((0, 2)), np.zeros(0), FPS, BakeSettings())
     path = np.zeros((9, 2))
     path[7, 1] = np.nan
-    with pytest.raises(InputError, match="frame 7.*not finite"):
+    with pytest.raises(InputError, match=r"frame 7.*not finite"):
         make_trajectory(path, np.zeros(9), FPS, BakeSettings())

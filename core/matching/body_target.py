@@ -1,0 +1,75 @@
+"""The body under the head: by how much the head is ahead of the hips, learned from the motion databases.
+
+A head that comes down or tips over tells of a lean, much the same one for different people. A linear model of the
+databases' own poses takes most of the distance between head and hips out of the target of the virtual root.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..database.motion_database import MotionDatabase
+from ..maths import angles, quat
+
+Array = NDArray[np.floating[Any]]
+
+_SAMPLES = 20_000
+"""Poses that the model is learned from, at most."""
+_TREMOR = np.array([0.05, 0.01, 0.05])
+"""Spread of side tilt, height in metres and forward tilt that means nothing: shrinks what little movement shows."""
+_TAIL = 1.0
+"""Percent at either end that is not trusted: beyond, inputs and leans count as there."""
+
+
+def body_targets(
+    head_positions: Array, head_rotations: Array, yaws: Array, databases: Sequence[MotionDatabase]
+) -> Array:
+    """Where on the ground the hips are, `(T, 2)` in metres.
+
+    Args:
+        head_positions: `(T, 3)` head joint in the world, metres, scaled to the databases' body.
+        head_rotations: `(T, 4)` of the head joint since T-pose.
+        yaws: `(T,)` radians, body orientation.
+        databases: whose poses show how this body leans; all of one skeleton.
+    """
+    stride = -(-sum(len(database) for database in databases) // _SAMPLES)
+    known = [_head_in_root_space(database, slice(None, None, stride)) for database in databases]
+    places = np.concatenate([place for place, _ in known])
+    ups = np.concatenate([up for _, up in known])
+    up = quat.rotate(quat.multiply(quat.from_yaw(-yaws), head_rotations), np.array([0.0, 0.0, 1.0]))
+
+    seen = np.column_stack([ups[:, 0], places[:, 2], ups[:, 1]])
+    here = np.column_stack([up[:, 0], head_positions[:, 2], up[:, 1]])
+    low, high = np.percentile(seen, [_TAIL, 100.0 - _TAIL], axis=0)
+    seen, here = np.clip(seen, low, high), np.clip(here, low, high)
+    # a body has no side: left and right leans mirror each other, so side inputs and offsets have no mean
+    centre = np.array([0.0, *seen[:, 1:].mean(axis=0)])
+    ahead = float(places[:, 1].mean())
+    side = _fit(seen[:, :1] - centre[:1], places[:, 0], _TREMOR[:1])
+    front = _fit(seen[:, 1:] - centre[1:], places[:, 1] - ahead, _TREMOR[1:])
+    away = np.column_stack([(here - centre)[:, :1] @ side, ahead + (here - centre)[:, 1:] @ front])
+    away = np.clip(away, *np.percentile(places[:, :2], [_TAIL, 100.0 - _TAIL], axis=0))
+    return head_positions[:, :2] - angles.turn(away, yaws)
+
+
+def _fit(inputs: Array, outputs: Array, tremor: Array) -> Array:
+    """Coefficients of a ridge regression through the origin."""
+    count = len(inputs)
+    return np.linalg.solve(inputs.T @ inputs / count + np.diag(tremor**2), inputs.T @ outputs / count)
+
+
+def _head_in_root_space(database: MotionDatabase, rows: slice) -> tuple[Array, Array]:
+    """Positions of the head `(N, 3)` and its up axis `(N, 3)` in root space, for some rows of the poses."""
+    skeleton, poses = database.skeleton, database.poses
+    chain = [skeleton.joint("head")]
+    while chain[-1] > 0:
+        chain.append(int(skeleton.parents[chain[-1]]))
+    place, turn = poses.hips_positions[rows].astype(np.float64), poses.rotations[rows, 0].astype(np.float64)
+    for joint in chain[-2::-1]:
+        place = place + quat.rotate(turn, skeleton.offsets[joint])
+        turn = quat.multiply(turn, poses.rotations[rows, joint])
+    return place, quat.rotate(turn, np.array([0.0, 0.0, 1.0]))
