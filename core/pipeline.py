@@ -88,8 +88,9 @@ def bake(
     yaws = predict(recording)
     clock.lap("orientation")
 
-    to_database = _fitting_scale(recording, databases[0].skeleton)
-    to_rig = _fitting_scale(recording, fit.skeleton) if settings.scale_to_rig else 1.0
+    ease = max(_ease(database) for database in databases)
+    to_database = _fitting_scale(recording, databases[0].skeleton, ease)
+    to_rig = _fitting_scale(recording, fit.skeleton, ease) if settings.scale_to_rig else 1.0
     # alpha is metres on the rig: the search works on the database's own body size
     sized = replace(settings, alpha=settings.alpha * to_database / to_rig)
     heads = joint_targets(scale(recording, to_database))[0][:, 0, :2]
@@ -181,10 +182,19 @@ _IN_WORDS = {
 }
 
 
-def _fitting_scale(recording: Recording, skeleton: Skeleton) -> float:
-    """How many times as large as the user a skeleton is, by the standing height of the head joint."""
+def _ease(database: MotionDatabase) -> float:
+    """Height of the head joint of the database's people at ease, over its height in T-pose."""
+    skeleton = database.skeleton
+    return database.eye_height / float(skeleton.tpose_positions()[skeleton.joint("head"), 2])
+
+
+def _fitting_scale(recording: Recording, skeleton: Skeleton, ease: float) -> float:
+    """How many times as large as the user a body is that stands as the databases' people do.
+
+    Compared are the heights of the head joint at ease; by T-pose heights the avatar would stand on its toes.
+    """
     head = skeleton.tpose_positions()[skeleton.joint("head"), 2]
-    return float(head / (recording.eye_height - recording.mounts.offsets[0, 2]))
+    return float(ease * head / (recording.eye_height - recording.mounts.offsets[0, 2]))
 
 
 def _inputs(recording: Recording, databases: Sequence[MotionDatabase]) -> list[dict[str, str]]:

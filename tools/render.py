@@ -34,6 +34,7 @@ def stage(scene: bpy.types.Scene) -> bpy.types.Object:
         True,
         True,
     )
+    shading.background_type, shading.background_color = "VIEWPORT", (0.55, 0.58, 0.62)
     return camera
 
 

@@ -14,8 +14,8 @@ from .. import VERSION
 from ..errors import InputError
 from ..jobs import Job
 from ..mocap.edit import cut, mirror, resample
-from ..mocap.skeleton import Motion, Skeleton, Take
-from ..recording.mounts import SIMULATED_MOUNTS
+from ..mocap.skeleton import Motion, Take
+from ..mocap.standing import standing_head_height
 from ..settings import DatabaseSettings, check
 from .carry import carry_over
 from .clips import Exclusion, check_exclusions, kept_ranges
@@ -75,9 +75,11 @@ def build_database(
     pieces: list[_Piece] = []
     mirrored: list[_Piece] = []
     skipped: list[str] = []
+    standing = 0.0
     for i, take in enumerate(takes):
         yield i / len(takes), f"Features of {take.name}"
         motion = carry_over(resample(take.motion, settings.fps), skeleton)
+        standing = max(standing, standing_head_height(motion))
         for clip in _clips(take, motion, exclude, skipped):
             part = cut(motion, clip.start, clip.stop)
             pieces.append(_piece(clip, part, settings))
@@ -99,7 +101,7 @@ def build_database(
         clips=_clip_table(pieces),
         poses=join_poses([piece.poses for piece in pieces]),
         features=features,
-        eye_height=_eye_height(skeleton),
+        eye_height=standing,
         height_range=(settings.height_low, settings.height_high),
         tags=tuple(tags),
         provenance=_provenance(takes, settings, exclude, skipped),
@@ -140,12 +142,6 @@ def _clip_table(pieces: Sequence[_Piece]) -> tuple[Clip, ...]:
         replace(piece.clip, start=start, stop=stop)
         for piece, start, stop in zip(pieces, starts, stops, strict=True)
     )
-
-
-def _eye_height(skeleton: Skeleton) -> float:
-    """Height of a simulated headset over the floor in T-pose."""
-    head = skeleton.tpose_positions()[skeleton.joint("head")]
-    return float(head[2] + SIMULATED_MOUNTS.offsets[0, 2])
 
 
 def _provenance(

@@ -97,7 +97,7 @@ class MotionDatabase:
     poses: PoseDatabase
     features: FeatureDatabase
     eye_height: float
-    """Height of a headset on this skeleton standing upright, metres."""
+    """Height of the head joint while this body stands at ease, metres."""
     height_range: tuple[float, float]
     """HMD height over calibrated eye height for which this database is meant: [low, high)."""
     tags: tuple[str, ...] = ()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -58,6 +59,8 @@ def _evaluate(
     recording = simulate_recording(take.motion, take.name)
     true_yaws = virtual_root(take.motion, 0.0)[1]
     rig = rig_from_skeleton(take.motion.skeleton, take.name)
+    # the avatar is the user: what is compared with the truth must not be scaled
+    settings = replace(settings, scale_to_rig=False)
     result = yield from bake(
         recording, databases, predict or (lambda _: true_yaws), rig, settings, truth=take.motion
     )

@@ -278,8 +278,8 @@ def _pose_legs(
         socket = hips + quat.rotate(rotations[:, 0], skeleton.offsets[thigh])
         line = ankles[:, side] - socket
         length = np.minimum(np.linalg.norm(line, axis=-1), (upper + lower) * 0.9999)
-        down = line / np.linalg.norm(line, axis=-1, keepdims=True)
-        ahead = np.column_stack([angles.direction(foot_yaws[:, side]), np.zeros(len(hips))])
+        down = _unit(line)
+        ahead: Array = np.column_stack([angles.direction(foot_yaws[:, side]), np.zeros(len(hips))])
         hinge = _unit(np.cross(ahead, -down))
         bend = np.arccos(np.clip((upper**2 + length**2 - lower**2) / (2 * upper * length), -1.0, 1.0))
         knee = np.arccos(np.clip((upper**2 + lower**2 - length**2) / (2 * upper * lower), -1.0, 1.0))

@@ -7,14 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..maths import kinematics
+from ..mocap.standing import standing_height
 from .timeline import Samples
 
 _PLAUSIBLE_M = (1.0, 2.1)
 _USUAL_M = 1.65
 _FLOOR_TOLERANCE = 0.1
-_SLOW_M_S = 0.3
-_BAND_M = 0.06
-_SHARE = 0.15
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +38,7 @@ def calibrate(samples: Samples, given: float | None, stated: float | None, on_fl
         on_floor: whether heights are above the floor; if not, the measured standing height is put at the eye
             height.
     """
-    standing = standing_height(samples)
+    standing = headset_standing_height(samples)
     doubts: list[str] = []
     if given is not None:
         eye_height, source = given, "given"
@@ -65,23 +63,12 @@ def calibrate(samples: Samples, given: float | None, stated: float | None, on_fl
     return Calibration(eye_height, source, 0.0 if on_floor else eye_height - standing, tuple(doubts))
 
 
-def standing_height(samples: Samples) -> float:
-    """Height of the headset, metres, where it stays for a while and is never higher for as long.
-
-    That is the median of the highest 6 cm that hold 15 % of the slow frames: people stand more than they go
-    on tip-toe, and may crouch for most of a recording.
-    """
+def headset_standing_height(samples: Samples) -> float:
+    """Height of the headset, metres, while its wearer stands at ease."""
     head, valid = samples.positions[:, 0], samples.valid[:, 0]
     step = np.gradient(samples.times)
     speed = np.linalg.norm(kinematics.velocity(head, 1.0) / step[:, None], axis=-1)
-    slow = valid & (speed < _SLOW_M_S)
-    heights = np.sort(head[slow if slow.sum() >= 0.1 * len(head) else valid, 2])
-    start = np.searchsorted(heights, heights - _BAND_M)
-    held = np.flatnonzero(np.arange(1, len(heights) + 1) - start >= _SHARE * len(heights))
-    if len(held) == 0:
-        return float(np.percentile(heights, 95))
-    top = held[-1]
-    return float(np.median(heights[start[top] : top + 1]))
+    return standing_height(head[valid, 2], speed[valid])
 
 
 def put_down(samples: Samples) -> float | None:
@@ -90,7 +77,7 @@ def put_down(samples: Samples) -> float | None:
     A worn headset never stays within 2 mm for a second, except in mid-air on a stand; it must also lie low.
     """
     times, head = samples.times, samples.positions[:, 0]
-    standing = standing_height(samples)
+    standing = headset_standing_height(samples)
     start = None
     for second in range(int(times[-1]) - 1, -1, -1):
         block = head[(times >= second) & (times < second + 1)]

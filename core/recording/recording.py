@@ -48,7 +48,7 @@ class Recording:
     """`(T, 3)` whether the tracker was tracked; values are finite also where it was not."""
     mounts: Mounts
     eye_height: float
-    """Calibrated height of the headset when its wearer stands upright, metres."""
+    """Calibrated height of the headset when its wearer stands at ease, metres."""
     file: str
     sha256: str
     found: dict[str, str]

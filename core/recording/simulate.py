@@ -7,6 +7,7 @@ import numpy as np
 from ..errors import InputError
 from ..maths import quat
 from ..mocap.skeleton import Motion
+from ..mocap.standing import standing_head_height
 from .mounts import SIMULATED_MOUNTS
 from .recording import TRACKER_ROLES, Mounts, Recording
 
@@ -20,7 +21,7 @@ def simulate_recording(
         motion: at least two frames of a body in the world.
         name: the recording's name.
         mounts: how the devices sit on head and hands.
-        eye_height: calibrated height of the headset, metres; by default its height in T-pose.
+        eye_height: calibrated height of the headset, metres; by default as the body stands at ease.
 
     Raises:
         InputError: the motion has fewer than two frames.
@@ -31,7 +32,7 @@ def simulate_recording(
     positions, rotations = motion.forward()
     positions, rotations = positions[:, joints], rotations[:, joints]
     if eye_height is None:
-        eye_height = float(motion.skeleton.tpose_positions()[joints[0], 2] + mounts.offsets[0, 2])
+        eye_height = standing_head_height(motion) + float(mounts.offsets[0, 2])
     return Recording(
         name=name,
         times=np.arange(len(motion)) / motion.fps,
@@ -46,7 +47,7 @@ def simulate_recording(
             "format": "simulated trackers",
             "rate": f"{motion.fps:g} frames per second",
             "length": f"{(len(motion) - 1) / motion.fps:.1f} s",
-            "eye height": f"{eye_height:.2f} m, headset in T-pose",
+            "eye height": f"{eye_height:.2f} m, headset of the body at ease",
         },
         doubts=(),
     )

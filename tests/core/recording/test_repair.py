@@ -9,7 +9,7 @@ import pytest
 from footwork.core.errors import InputError
 from footwork.core.maths import quat
 from footwork.core.mocap.demo import demo_motion
-from footwork.core.recording.eye_height import calibrate, put_down, standing_height
+from footwork.core.recording.eye_height import calibrate, headset_standing_height, put_down
 from footwork.core.recording.raw import RawRecording, Track
 from footwork.core.recording.recording import Recording
 from footwork.core.recording.repair import repair
@@ -256,9 +256,9 @@ def standing(heights: np.ndarray) -> Samples:
         ([(1.62, 6.0), (0.8, 3.0), (1.62, 6.0)], 1.62),
     ],
 )
-def test_standing_height(stretches: list[tuple[float, float]], expected: float) -> None:
+def test_headset_standing_height(stretches: list[tuple[float, float]], expected: float) -> None:
     heights = np.concatenate([np.full(int(60 * seconds), height) for height, seconds in stretches])
-    assert standing_height(standing(heights)) == pytest.approx(expected, abs=0.012)
+    assert headset_standing_height(standing(heights)) == pytest.approx(expected, abs=0.012)
 
 
 def test_calibration_says_where_it_comes_from() -> None:
