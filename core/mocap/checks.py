@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -30,9 +31,8 @@ def heading_parts(motion: Motion) -> Array | None:
     count = min(_DRIFT_PARTS, int(len(motion) / motion.fps / _DRIFT_PART_S))
     if count < 4:
         return None
-    _, rotations = motion.forward()
-    head = rotations[:, motion.skeleton.joint("head")]
-    aside = angles.wrap(quat.heading(head) - quat.heading(rotations[:, 0]))
+    _, rotations = forward_of(motion, ("head",))
+    aside = angles.wrap(quat.heading(rotations[:, 0]) - quat.heading(motion.rotations[:, 0]))
     return np.array([_circular_median(part) for part in np.array_split(aside, count)])
 
 
@@ -59,16 +59,12 @@ def toes_aside(motion: Motion) -> float | None:
     skeleton = motion.skeleton
     if any(skeleton.find(f"toe.{side}") < 0 for side in SIDES):
         return None
-    positions, rotations = motion.forward()
-    hips = quat.heading(rotations[:, 0])
-    total = 0j
-    for side in SIDES:
-        toe = positions[:, skeleton.joint(f"toe.{side}")]
-        speed = np.linalg.norm(kinematics.velocity(toe, motion.fps), axis=-1)
-        rests = speed <= np.quantile(speed, 0.3)
-        points = angles.yaw_of(toe - positions[:, skeleton.joint(f"foot.{side}")])
-        total += np.exp(1j * (points - hips)[rests]).mean()
-    return float(np.angle(total))
+    feet, _ = forward_of(motion, ("foot.L", "foot.R"))
+    toes, _ = forward_of(motion, ("toe.L", "toe.R"))
+    speed = np.linalg.norm(kinematics.velocity(toes, motion.fps), axis=-1)
+    rests = speed <= np.quantile(speed, 0.3, axis=0)
+    aside = angles.yaw_of(toes - feet) - quat.heading(motion.rotations[:, 0])[:, None]
+    return float(np.angle(np.sum(np.exp(1j * aside) * rests)))
 
 
 def walking_aside(motion: Motion) -> tuple[float, float]:
@@ -81,6 +77,25 @@ def walking_aside(motion: Motion) -> tuple[float, float]:
     aside = angles.yaw_of(velocity) - quat.heading(motion.rotations[half:-half, 0])
     mean = np.exp(1j * aside[walks]).sum()
     return float(np.angle(mean)), float(walks.sum() / motion.fps)
+
+
+def forward_of(motion: Motion, roles: Sequence[str]) -> tuple[Array, Array]:
+    """World positions `(T, n, 3)` and rotations since T-pose `(T, n, 4)` of the joints with these roles only."""
+    skeleton = motion.skeleton
+    wanted = [skeleton.joint(role) for role in roles]
+    chain: set[int] = set()
+    for joint in wanted:
+        while joint >= 0 and joint not in chain:
+            chain.add(joint)
+            joint = int(skeleton.parents[joint])
+    order = sorted(chain)
+    place = {joint: k for k, joint in enumerate(order)}
+    parents = np.array([place.get(int(skeleton.parents[joint]), -1) for joint in order], dtype=np.intp)
+    positions, rotations = kinematics.forward(
+        motion.positions, motion.rotations[:, order], skeleton.offsets[order], parents
+    )
+    ends = [place[joint] for joint in wanted]
+    return positions[:, ends], rotations[:, ends]
 
 
 def _circular_median(values: Array) -> float:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..maths import kinematics, quat
+from .checks import forward_of
 from .skeleton import SIDES, Motion, Skeleton
 
 Array = NDArray[np.floating[Any]]
@@ -20,36 +21,38 @@ _BELOW, _ABOVE = -0.025, 0.05
 """Metres: joints of a standing foot are not under the floor, nor farther above it than a sole is thick."""
 
 
-def foot_bottoms(skeleton: Skeleton, positions: Array, rotations: Array) -> Array:
-    """Height `(T, 2)` in metres of the lowest known point of the left and right foot: ankle, toe or its tip.
-
-    Args:
-        skeleton: whose feet.
-        positions: `(T, J, 3)` joints in the world.
-        rotations: `(T, J, 4)` global rotations since T-pose.
-    """
-    sides: list[Array] = []
-    for side in SIDES:
-        joints = [j for j in (skeleton.find(f"foot.{side}"), skeleton.find(f"toe.{side}")) if j >= 0]
-        last = joints[-1]
-        tip = positions[:, last] + quat.rotate(rotations[:, last], skeleton.tips[last])
-        sides.append(np.minimum(positions[:, joints, 2].min(axis=1), tip[:, 2]))
-    return np.stack(sides, axis=-1)
-
-
 def floor_height(motion: Motion) -> float:
     """Height in metres of the lowest level that the feet stand at."""
-    positions, rotations = motion.forward()
-    bottoms = foot_bottoms(motion.skeleton, positions, rotations)
-    ends = [motion.skeleton.find(f"toe.{side}") for side in SIDES]
-    ends = [motion.skeleton.joint(f"foot.{s}") if j < 0 else j for s, j in zip(SIDES, ends, strict=True)]
-    speed = np.linalg.norm(kinematics.velocity(positions[:, ends], motion.fps), axis=-1)
+    skeleton = motion.skeleton
+    ends = [f"{'toe' if f'toe.{side}' in skeleton.roles else 'foot'}.{side}" for side in SIDES]
+    positions, rotations = forward_of(motion, [*(f"foot.{side}" for side in SIDES), *ends])
+    tips = skeleton.tips[[skeleton.joint(end) for end in ends]]
+    bottoms = _bottoms(positions, rotations, tips)
+    speed = np.linalg.norm(kinematics.velocity(positions[:, 2:], motion.fps), axis=-1)
     # a take in which no foot ever rests still has its slowest moments near the floor
     standing = bottoms[speed <= max(_SLOW, float(np.quantile(speed, 0.05)))]
     low = np.quantile(standing, 0.05)
     return float(np.median(standing[standing < low + _LAYER]))
 
 
+def standing_height(skeleton: Skeleton) -> float:
+    """Height in metres of the lowest known point of the feet in T-pose."""
+    still = Motion(skeleton, 1.0, skeleton.offsets[:1], np.tile(quat.IDENTITY, (1, len(skeleton), 1)))
+    return floor_height(still)
+
+
 def is_floor(height: float) -> bool:
     """Whether feet that stand this high, metres, stand on Z = 0 with their soles."""
     return _BELOW <= height <= _ABOVE
+
+
+def _bottoms(positions: Array, rotations: Array, tips: Array) -> Array:
+    """Height `(T, 2)` of each foot's lowest point of ankle, toe and its tip.
+
+    Args:
+        positions: `(T, 4, 3)` left and right ankle, left and right toe.
+        rotations: `(T, 4, 4)` of the same, since T-pose.
+        tips: `(2, 3)` from left and right toe to its tip, in T-pose.
+    """
+    ends = positions[:, 2:] + quat.rotate(rotations[:, 2:], tips)
+    return np.minimum(positions[..., 2].reshape(-1, 2, 2).min(axis=1), ends[..., 2])

@@ -16,7 +16,7 @@ from . import checks
 from .body import UNITS, Body, find_unit, find_up, reduce_to_body, with_toes
 from .bvh import BvhFile, read_bvh
 from .edit import resample
-from .floor import floor_height, foot_bottoms, is_floor
+from .floor import floor_height, is_floor, standing_height
 from .roles import match_roles
 from .skeleton import Motion, Skeleton, Take
 from .tpose import FORWARD, NEAR, looks_like_tpose, tpose_rotations
@@ -185,11 +185,8 @@ def _on_floor(motion: Motion, notes: _Notes) -> Motion:
     what = "kept" if kept else f"moved {'up' if height < 0 else 'down'} to 0"
     notes.found["floor"] = f"feet stand at {100 * height:.1f} cm, {what}"
     skeleton = motion.skeleton
-    rotations = np.zeros((1, len(skeleton), 4))
-    rotations[..., 0] = 1.0
-    lowest = float(foot_bottoms(skeleton, skeleton.tpose_positions()[None], rotations).min())
     offsets = skeleton.offsets.copy()
-    offsets[0, 2] = (height if kept else 0.0) - lowest
+    offsets[0, 2] = (height if kept else 0.0) - standing_height(skeleton)
     positions = motion.positions if kept else motion.positions - (0.0, 0.0, height)
     return replace(motion, skeleton=replace(skeleton, offsets=offsets), positions=positions)
 
