@@ -173,7 +173,9 @@ def _roles(obj: bpy.types.Object, names: tuple[str, ...], wanted: Mapping[str, s
     chosen = {role: bone for role, bone in wanted.items() if bone}
     absent = [bone for bone in chosen.values() if bone not in names]
     if absent:
-        raise InputError(f"{obj.name}: its role map names {absent[0]!r}, which it has not; choose another bone")
+        raise InputError(
+            f"{obj.name}: its role map names {absent[0]!r}, which it has not; choose another bone"
+        )
     twice = [bone for bone in chosen.values() if list(chosen.values()).count(bone) > 1]
     if twice:
         raise InputError(f"{obj.name}: {twice[0]!r} has two roles in its role map; leave one")

@@ -103,7 +103,9 @@ def recording_from_objects(
     return to_recording(raw, f"objects of scene {scene.name}", digest, eye_height)
 
 
-def show_recording(recording: Recording, scene: bpy.types.Scene, frame_start: float = 1.0) -> list[bpy.types.Object]:
+def show_recording(
+    recording: Recording, scene: bpy.types.Scene, frame_start: float = 1.0
+) -> list[bpy.types.Object]:
     """Show a recording as three animated empties, Y forward and Z up, in a new collection of the scene.
 
     Where a tracker was lost its empty stays where the reader's repair puts it.

@@ -20,7 +20,7 @@ from ..core.recording.recording import Recording
 from ..core.rig.rig import Rig
 from ..core.settings import BakeSettings
 from ..nn import predictor
-from . import files, figures
+from . import figures, files
 from .job_operator import JobOperator
 from .recording import calibrated
 
@@ -107,7 +107,9 @@ class FOOTWORK_OT_bake(JobOperator, bpy.types.Operator):
         text.from_string(json.dumps(result.report, indent=2))
         for warning in result.warnings:
             self.report({"WARNING"}, warning)
-        self.report({"INFO"}, f"{action.name}: {frames} frames on {rig.name}. {figures.in_short(result.report)}")
+        self.report(
+            {"INFO"}, f"{action.name}: {frames} frames on {rig.name}. {figures.in_short(result.report)}"
+        )
 
 
 def read_source(scene: bpy.types.Scene) -> Source:

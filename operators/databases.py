@@ -28,7 +28,10 @@ class FOOTWORK_OT_build_database(JobOperator, bpy.types.Operator):
     title = "Building the database"
 
     filepath: StringProperty(
-        name="Save As", description="File to write; empty for the panel's", subtype="FILE_PATH", options={"SKIP_SAVE"}
+        name="Save As",
+        description="File to write; empty for the panel's",
+        subtype="FILE_PATH",
+        options={"SKIP_SAVE"},
     )
 
     @classmethod
@@ -36,7 +39,11 @@ class FOOTWORK_OT_build_database(JobOperator, bpy.types.Operator):
         takes = context.scene.footwork.takes
         if not takes:
             return "Add takes first"
-        return "" if any(take.use and take.state != "FAULT" for take in takes) else "Tick at least one usable take"
+        return (
+            ""
+            if any(take.use and take.state != "FAULT" for take in takes)
+            else "Tick at least one usable take"
+        )
 
     def start(self, context):
         footwork = context.scene.footwork
@@ -58,7 +65,8 @@ class FOOTWORK_OT_build_database(JobOperator, bpy.types.Operator):
             self.report({"WARNING"}, doubt)
         minutes = len(database) / database.fps / 60
         self.report(
-            {"INFO"}, f"{self._path.name}: {len(database)} frames, {minutes:.1f} min in {len(database.clips)} clips"
+            {"INFO"},
+            f"{self._path.name}: {len(database)} frames, {minutes:.1f} min in {len(database.clips)} clips",
         )
 
 

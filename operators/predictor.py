@@ -115,7 +115,8 @@ def _train(arguments):
                 process.wait()
         if process.returncode != 0:
             last = [line for line in log.read_text(encoding="utf-8", errors="replace").splitlines() if line]
-            raise InputError(last[-1] if last else f"training ended with code {process.returncode}")
+            fault = last[-1].removeprefix("footwork train-predictor: ") if last else ""
+            raise InputError(fault or f"training ended with code {process.returncode}; try again")
         return _summary(json.loads(report.read_text(encoding="utf-8")))
 
 

@@ -65,7 +65,9 @@ class FOOTWORK_OT_inspect_recording(bpy.types.Operator):
         footwork.recording_found, footwork.recording_doubts = files.told(recording)
         footwork.recording_state = "DOUBT" if recording.doubts else "OK"
         footwork.eye_height = recording.eye_height
-        self.report({"INFO"}, f"{recording.name}: {recording.times[-1]:.1f} s at {recording.fps:.0f} per second")
+        self.report(
+            {"INFO"}, f"{recording.name}: {recording.times[-1]:.1f} s at {recording.fps:.0f} per second"
+        )
         return {"FINISHED"}
 
 

@@ -25,9 +25,7 @@ def property_of(item: Field[Any]) -> Any:
     if isinstance(default, str):
         choices = [(key, key.replace("-", " ").title(), text) for key, text in meta["choices"].items()]
         return EnumProperty(**shared, items=choices)
-    bounds = {
-        end: meta[name] for end, name in (("min", "low"), ("max", "high")) if meta[name] is not None
-    }
+    bounds = {end: meta[name] for end, name in (("min", "low"), ("max", "high")) if meta[name] is not None}
     if isinstance(default, int):
         return IntProperty(**shared, **bounds)
     precision = 3 if meta["unit"] in UNITS else 2
@@ -37,4 +35,6 @@ def property_of(item: Field[Any]) -> Any:
 def property_group(name: str, settings: type) -> type[bpy.types.PropertyGroup]:
     """A property group class with one property for each field of a settings dataclass."""
     annotations = {item.name: property_of(item) for item in fields(settings)}
-    return type(name, (bpy.types.PropertyGroup,), {"__annotations__": annotations, "__doc__": settings.__doc__})
+    return type(
+        name, (bpy.types.PropertyGroup,), {"__annotations__": annotations, "__doc__": settings.__doc__}
+    )

@@ -86,7 +86,11 @@ class FOOTWORK_PG_figure(bpy.types.PropertyGroup):
     good: EnumProperty(
         name="Rating",
         description="Whether the figure is as it should be",
-        items=[("NONE", "None", "Not rated"), ("GOOD", "Good", "As it should be"), ("POOR", "Poor", "Look at it")],
+        items=[
+            ("NONE", "None", "Not rated"),
+            ("GOOD", "Good", "As it should be"),
+            ("POOR", "Poor", "Look at it"),
+        ],
     )
 
 
@@ -117,14 +121,18 @@ class FOOTWORK_PG_scene(bpy.types.PropertyGroup):
     database_path: file_path(
         "Save As", "Where the motion database is written; empty for a name beside the .blend file"
     )
-    database_tags: StringProperty(name="Tags", description="Words to find the database by, separated by commas")
+    database_tags: StringProperty(
+        name="Tags", description="Words to find the database by, separated by commas"
+    )
 
     databases: CollectionProperty(
         type=FOOTWORK_PG_database,
         name="Databases",
         description="Motion databases of the bake; the first one that fits the headset's height is used",
     )
-    database_index: IntProperty(name="Active Database", description="The database that is shown below the list")
+    database_index: IntProperty(
+        name="Active Database", description="The database that is shown below the list"
+    )
 
     predictor: EnumProperty(
         name="Body Orientation",
@@ -165,7 +173,7 @@ class FOOTWORK_PG_scene(bpy.types.PropertyGroup):
         max=3.0,
         default=1.65,
         step=1,
-        precision=2,
+        precision=3,
     )
     head: tracker("Headset")
     left: tracker("Left Controller")
@@ -204,7 +212,9 @@ class FOOTWORK_PG_scene(bpy.types.PropertyGroup):
         name="Fit Scene Range", description="Set the scene's frame range to the bake", default=True
     )
 
-    figures: CollectionProperty(type=FOOTWORK_PG_figure, name="Quality", description="Figures of the last bake")
+    figures: CollectionProperty(
+        type=FOOTWORK_PG_figure, name="Quality", description="Figures of the last bake"
+    )
     figures_of: StringProperty(name="Last Bake", description="What the figures belong to")
     warnings: StringProperty(name="Warnings", description="Warnings of the last bake, a line each")
 

@@ -13,6 +13,8 @@ from .lists import duration
 from .properties import attribute, role_label
 
 MAIN_BAKE_SETTINGS = ("trajectory", "search", "alpha", "beta")
+CAUSAL_SETTINGS = ("beta", "smoothing")
+"""Settings that only the causal trajectory uses."""
 FITTING_SETTINGS = ("scale_to_rig", "foot_lock", "head", "arms")
 
 
@@ -71,7 +73,13 @@ class FOOTWORK_PT_takes(Part, bpy.types.Panel):
         layout, footwork = self.layout, context.scene.footwork
         row = layout.row()
         row.template_list(
-            "FOOTWORK_UL_takes", "", footwork, "takes", footwork, "take_index", rows=5 if footwork.takes else 3
+            "FOOTWORK_UL_takes",
+            "",
+            footwork,
+            "takes",
+            footwork,
+            "take_index",
+            rows=5 if footwork.takes else 3,
         )
         buttons = row.column(align=True)
         buttons.operator("footwork.add_takes", text="", icon="ADD")
@@ -85,7 +93,9 @@ class FOOTWORK_PT_takes(Part, bpy.types.Panel):
         job_progress(layout, "footwork.inspect_takes")
         take = active(footwork.takes, footwork.take_index)
         if take is None:
-            text.notes(context, layout, "Add motion-capture files (.bvh), or drop them into the viewport", "INFO")
+            text.notes(
+                context, layout, "Add motion-capture files (.bvh), or drop them into the viewport", "INFO"
+            )
             return
         found, body = layout.panel("FOOTWORK_take_found", default_closed=True)
         found.label(text="In This Take")
@@ -197,10 +207,11 @@ class FOOTWORK_PT_predictor(Part, bpy.types.Panel):
             return
         if torch_missing():
             text.notes(context, body, torch_missing(), "INFO")
+        body.use_property_split = False
         settings = footwork.train_settings
-        for name in settings.__annotations__:
-            if name not in ("keep_worse", "batch", "learning_rate", "decay"):
-                body.prop(settings, name)
+        paper = settings.kind == "paper"
+        unused = "voters" if paper else "iterations"
+        _settings(body, settings, [name for name in settings.__annotations__ if name != unused])
         job_button(body, "footwork.train_predictor", "PLAY", 1.3)
 
 
@@ -231,7 +242,7 @@ class FOOTWORK_PT_recording(Part, bpy.types.Panel):
             column.operator("footwork.load_recording", icon="FILEBROWSER")
             return
         row = column.row(align=True)
-        row.prop(footwork, "recording_path", text="File")
+        row.prop(footwork, "recording_path", text="")
         row.operator("footwork.inspect_recording", text="", icon="FILE_REFRESH")
         _eye_height(column, footwork)
         header, body = layout.panel("FOOTWORK_recording_found", default_closed=True)
@@ -239,7 +250,10 @@ class FOOTWORK_PT_recording(Part, bpy.types.Panel):
         if body:
             text.facts(body, footwork.recording_found)
         text.notes(
-            context, layout, footwork.recording_doubts, "CANCEL" if footwork.recording_state == "FAULT" else "ERROR"
+            context,
+            layout,
+            footwork.recording_doubts,
+            "CANCEL" if footwork.recording_state == "FAULT" else "ERROR",
         )
         layout.operator("footwork.show_recording", icon="EMPTY_ARROWS")
 
@@ -276,11 +290,15 @@ class FOOTWORK_PT_rig(Part, bpy.types.Panel):
             text.notes(context, layout, "Empty: an armature with the database's proportions is made", "INFO")
             return
         preset, _ = armature.detected_preset(rig)
-        layout.label(text=f"Bone names: {preset}" if preset else "Bone names: not recognised", icon="BONE_DATA")
+        layout.label(
+            text=f"Bone names: {preset}" if preset else "Bone names: not recognised", icon="BONE_DATA"
+        )
         missing = [role for role in REQUIRED_ROLES if not armature.role_map(rig).get(role)]
         if missing:
             names = ", ".join(role.replace("_", " ") for role in missing[:4])
-            text.notes(context, layout, f"Set bones below for: {names}" + (" ..." if len(missing) > 4 else ""))
+            text.notes(
+                context, layout, f"Set bones below for: {names}" + (" ..." if len(missing) > 4 else "")
+            )
         for doubt in armature.rig_doubts(rig):
             text.notes(context, layout, doubt)
         header, body = layout.panel("FOOTWORK_role_map", default_closed=True)
@@ -291,30 +309,31 @@ class FOOTWORK_PT_rig(Part, bpy.types.Panel):
 
 
 def _role_map(layout, rig):
-    bones = rig.data
-    column = layout.column(align=True)
-    for role in CENTRE_ROLES:
-        split = column.split(factor=0.3, align=True)
-        split.label(text=role_label(role))
-        split.prop_search(rig.footwork, attribute(role), bones, "bones", text="")
-    sides = layout.column(align=True)
-    head = sides.split(factor=0.3)
-    head.label(text="")
-    names = head.row()
-    names.label(text="Left")
-    names.label(text="Right")
-    for part in (*ARM, *LEG):
-        split = sides.split(factor=0.3, align=True)
-        split.label(text=role_label(part))
-        pair = split.row(align=True)
-        for side in ("L", "R"):
-            pair.prop_search(rig.footwork, attribute(f"{part}.{side}"), bones, "bones", text="")
+    groups = (
+        ("", CENTRE_ROLES),
+        ("Left", tuple(f"{part}.L" for part in (*ARM, *LEG))),
+        ("Right", tuple(f"{part}.R" for part in (*ARM, *LEG))),
+    )
+    for heading, roles in groups:
+        column = layout.column(align=True)
+        if heading:
+            column.label(text=heading)
+        for role in roles:
+            split = column.split(factor=0.3, align=True)
+            split.label(text=role_label(role))
+            split.prop_search(rig.footwork, attribute(role), rig.data, "bones", text="")
 
 
 def _settings(layout, settings, names) -> None:
     """Settings below each other: choices beside their name, numbers with the name inside."""
     column = layout.column(align=True)
+    weights = False
     for name in names:
+        if name.startswith("weight_") != weights:
+            weights = not weights
+            column = layout.column(align=True)
+            if weights:
+                column.label(text="Weights in the Search")
         if settings.bl_rna.properties[name].type == "ENUM":
             split = column.split(factor=0.35)
             split.label(text=settings.bl_rna.properties[name].name)
@@ -332,7 +351,8 @@ class FOOTWORK_PT_bake(Part, bpy.types.Panel):
     def draw(self, context):
         layout, footwork = self.layout, context.scene.footwork
         settings = footwork.bake
-        known = [name for name in settings.__annotations__ if name != "beta" or settings.trajectory == "causal"]
+        idle = () if settings.trajectory == "causal" else CAUSAL_SETTINGS
+        known = [name for name in settings.__annotations__ if name not in idle]
         layout.use_property_decorate = False
         _settings(layout, settings, [name for name in MAIN_BAKE_SETTINGS if name in known])
         grid = layout.grid_flow(row_major=True, columns=2, even_columns=True, align=True)

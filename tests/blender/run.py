@@ -45,9 +45,8 @@ def main(arguments: list[str]) -> int:
     # a run on one Blender must not meet compiled files of another's Python
     sys.dont_write_bytecode = True
     # bpy first: it makes addon_utils importable
-    import bpy
-
     import addon_utils
+    import bpy
     import pytest
 
     sys.path.insert(0, str(ROOT / "tools"))
@@ -64,7 +63,9 @@ def main(arguments: list[str]) -> int:
         print("the extension could not be enabled")
         return 1
     sys.meta_path.insert(0, _Installed())
-    code = int(pytest.main([str(HERE), "-c", str(ROOT / "pyproject.toml"), "-p", "no:cacheprovider", *arguments]))
+    code = int(
+        pytest.main([str(HERE), "-c", str(ROOT / "pyproject.toml"), "-p", "no:cacheprovider", *arguments])
+    )
     addon_utils.disable(INSTALLED)
     return code
 

@@ -115,7 +115,7 @@ def test_bones_between_keyed_ones_are_put_at_rest_and_others_left(empty) -> None
     assert obj.pose.bones["LeftToe"].rotation_quaternion[1] == pytest.approx(1.0)
     assert np.allclose(obj.pose.bones["LeftElbow"].location, 0.0)
     paths = {curve.data_path for curve in compat.fcurves_of(obj)}
-    assert not any("Chest\"" in path or "LeftToe" in path for path in paths)
+    assert not any('Chest"' in path or "LeftToe" in path for path in paths)
     assert sum("location" in path for path in paths) == 1
 
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from footwork.bridge import armature
 from footwork.core.errors import InputError
-from footwork.core.rig.rig import Rig
 from footwork.core.rig.fit import rig_from_skeleton
+from footwork.core.rig.rig import Rig
 
 
 def test_an_armature_made_from_a_rig_reads_back_the_same(empty) -> None:
@@ -21,7 +21,9 @@ def test_an_armature_made_from_a_rig_reads_back_the_same(empty) -> None:
     assert np.abs(back.tails[order] - rig.tails).max() < 1e-5
     assert [back.roles[i] for i in order] == list(rig.roles)
     assert all(back.parents[i] < i for i in range(len(back.bones)))
-    parents = {bone: back.bones[back.parents[i]] if back.parents[i] >= 0 else "" for i, bone in enumerate(back.bones)}
+    parents = {
+        bone: back.bones[back.parents[i]] if back.parents[i] >= 0 else "" for i, bone in enumerate(back.bones)
+    }
     assert parents["LeftWrist"] == "LeftElbow" and parents["Hips"] == ""
 
 
@@ -73,7 +75,9 @@ def test_unknown_names_can_be_mapped_by_hand(empty) -> None:
         bone.name = new_names[bone.name]
     with pytest.raises(InputError, match="no bone for hips"):
         armature.armature_to_rig(obj)
-    armature.set_roles(obj, {role: new_names[bone] for role, bone in zip(rig.roles, rig.bones, strict=True) if role})
+    armature.set_roles(
+        obj, {role: new_names[bone] for role, bone in zip(rig.roles, rig.bones, strict=True) if role}
+    )
     back = armature.armature_to_rig(obj)
     assert dict(zip(back.bones, back.roles, strict=True)) == {
         new_names[bone]: role for bone, role in zip(rig.bones, rig.roles, strict=True)

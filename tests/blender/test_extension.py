@@ -24,7 +24,16 @@ REQUIRED = {
     "blender_version_min",
     "license",
 }
-OPTIONAL = {"blender_version_max", "website", "copyright", "tags", "platforms", "wheels", "permissions", "build"}
+OPTIONAL = {
+    "blender_version_max",
+    "website",
+    "copyright",
+    "tags",
+    "platforms",
+    "wheels",
+    "permissions",
+    "build",
+}
 
 
 @pytest.fixture(scope="module")
@@ -56,7 +65,9 @@ def test_the_zip_holds_the_extension_and_nothing_else(names) -> None:
 def leftovers() -> dict[str, object]:
     """Whatever Blender holds of Footwork."""
     handlers = {
-        name: [str(function) for function in getattr(bpy.app.handlers, name) if "footwork" in function.__module__]
+        name: [
+            str(function) for function in getattr(bpy.app.handlers, name) if "footwork" in function.__module__
+        ]
         for name in dir(bpy.app.handlers)
         if isinstance(getattr(bpy.app.handlers, name), list)
     }
@@ -64,10 +75,10 @@ def leftovers() -> dict[str, object]:
         "types": [name for name in dir(bpy.types) if "footwork" in name.lower()],
         "operators": list(dir(bpy.ops.footwork)),
         "properties": [
-            (kind, name)
+            (kind, prop.identifier)
             for kind in ("Scene", "Object", "Armature", "WindowManager", "Action")
-            for name in getattr(bpy.types, kind).bl_rna.properties.keys()
-            if "footwork" in name.lower()
+            for prop in getattr(bpy.types, kind).bl_rna.properties
+            if "footwork" in prop.identifier
         ],
         "handlers": [entry for entries in handlers.values() for entry in entries],
     }

@@ -59,7 +59,11 @@ def test_takes_are_added_once_and_looked_at(empty, demo, tmp_path) -> None:
     add_takes(demo, "walk.bvh")
     add_takes(tmp_path, "broken.bvh")
     takes = empty.footwork.takes
-    assert [(take.name, take.state) for take in takes] == [("walk", "OK"), ("turn", "OK"), ("broken", "FAULT")]
+    assert [(take.name, take.state) for take in takes] == [
+        ("walk", "OK"),
+        ("turn", "OK"),
+        ("broken", "FAULT"),
+    ]
     assert takes[0].seconds > 5.0 and "\t" in takes[0].found
     assert "line" in takes[2].doubts or ":" in takes[2].doubts
     empty.footwork.take_index = 2
@@ -81,7 +85,9 @@ def test_building_writes_a_database_and_lists_it(empty, demo, tmp_path) -> None:
     bpy.ops.footwork.build_database()
     made = load_database(tmp_path / "shot_database.npz")
     assert {clip.name for clip in made.clips} >= {"walk"} and made.tags == ("walk", "demo")
-    assert any(clip.mirrored for clip in made.clips) and not any(c.name.startswith("turn") for c in made.clips)
+    assert any(clip.mirrored for clip in made.clips) and not any(
+        c.name.startswith("turn") for c in made.clips
+    )
     (row,) = scene.footwork.databases
     assert row.path == "//shot_database.npz" and row.name == made.name and row.found
     bpy.ops.footwork.build_database()
@@ -126,7 +132,10 @@ def test_options_of_the_output(empty, ready) -> None:
     bpy.ops.footwork.bake()
     action = ready.rig.animation_data.action
     assert action.name == "Take 5" and not action.pose_markers
-    assert compat.fcurves_of(ready.rig)[0].range()[0] == 101 and before == (empty.frame_start, empty.frame_end)
+    assert compat.fcurves_of(ready.rig)[0].range()[0] == 101 and before == (
+        empty.frame_start,
+        empty.frame_end,
+    )
 
 
 def test_bakes_are_the_same_twice(empty, ready) -> None:

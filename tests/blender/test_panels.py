@@ -16,7 +16,9 @@ from footwork.nn.settings import TrainSettings
 from footwork.operators import job_operator
 from footwork.panels import lists, sidebar
 
-ICONS = {item.identifier for item in bpy.types.UILayout.bl_rna.functions["label"].parameters["icon"].enum_items}
+ICONS = {
+    item.identifier for item in bpy.types.UILayout.bl_rna.functions["label"].parameters["icon"].enum_items
+}
 PANELS = [cls for cls in sidebar.CLASSES if issubclass(cls, (bpy.types.Panel, bpy.types.Menu))]
 
 
@@ -63,7 +65,9 @@ class Layout(SimpleNamespace):
     def menu(self, idname: str, **_options: object) -> None:
         assert hasattr(bpy.types, idname)
 
-    def template_list(self, kind: str, _id: str, data, collection: str, active, index: str, **_options: object) -> None:
+    def template_list(
+        self, kind: str, _id: str, data, collection: str, active, index: str, **_options: object
+    ) -> None:
         getattr(active, index)
         for row in getattr(data, collection):
             getattr(bpy.types, kind).draw_item(None, bpy.context, self, data, row, 0, active, index)

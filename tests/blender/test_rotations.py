@@ -43,7 +43,9 @@ def test_a_full_turn_about_each_axis_unwinds_in_euler(order: str) -> None:
 
 def test_axis_angle_is_blenders_and_does_not_jump() -> None:
     start = tumble()[:1]
-    lead_in = quat.slerp(np.tile(quat.IDENTITY, (30, 1)), np.repeat(start, 30, axis=0), np.linspace(0.0, 1.0, 30))
+    lead_in = quat.slerp(
+        np.tile(quat.IDENTITY, (30, 1)), np.repeat(start, 30, axis=0), np.linspace(0.0, 1.0, 30)
+    )
     track = quat.continuous(np.concatenate([np.tile(quat.IDENTITY, (3, 1)), lead_in, tumble()]))
     values = rotations.channels(track, "AXIS_ANGLE")
     for (angle, *axis), q in zip(values.tolist(), track, strict=True):

@@ -22,7 +22,7 @@ def simulated():
 
 def test_a_recording_shown_as_empties_reads_back(empty, simulated) -> None:
     empties = objects.show_recording(simulated, empty)
-    empty.frame_end = int(round(simulated.times[-1] * 60.0)) + 1
+    empty.frame_end = round(simulated.times[-1] * 60.0) + 1
     empty.frame_set(17)
     back = objects.recording_from_objects(empty, empties)
     truth = resample(simulated, 60.0)
@@ -55,7 +55,10 @@ def test_parents_constraints_and_camera_axes_count(empty, simulated) -> None:
     expected = quat.rotate(turn, plain.positions) + np.array([1.0, 2.0, 0.0])
     assert np.abs(moved.positions - expected).max() < 1e-4
     forward = quat.rotate(moved.rotations, np.array([0.0, 1.0, 0.0]))
-    assert np.abs(forward - quat.rotate(quat.multiply(turn, plain.rotations), np.array([0.0, 1.0, 0.0]))).max() < 1e-4
+    assert (
+        np.abs(forward - quat.rotate(quat.multiply(turn, plain.rotations), np.array([0.0, 1.0, 0.0]))).max()
+        < 1e-4
+    )
 
 
 def test_a_missing_controller_is_lost_and_a_missing_headset_refused(empty, simulated) -> None:
