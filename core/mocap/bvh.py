@@ -237,7 +237,7 @@ def _parse_values(data: bytes, header: Header, file: str) -> Array:
 def _first_fault(body: bytes, header: Header, file: str) -> str:
     """One line about the first row that is not `header.columns` finite numbers, or about their count."""
     rows = 0
-    number = header.body_line
+    number = header.body_line - 1
     for number, line in enumerate(body.splitlines(), start=header.body_line):
         words = line.split()
         if not words:

@@ -17,7 +17,7 @@ _STATEMENT = re.compile(
     | (?P<end>End[ \t]+\w+)[^\r\n{}]*
     | (?P<open>\{)
     | (?P<close>\})
-    | OFFSET\b(?P<offset>(?:\s+"""
+    | OFFSET\b(?P<offset>(?:[ \t]+"""
     + _NUMBER
     + r"""){3})
     | CHANNELS[ \t]+(?P<count>\d+)
@@ -96,8 +96,11 @@ class _Scanner:
             if found is None:
                 rest = self.text[self.skip() :][:40].split()
                 if not rest:
-                    raise self.fault("the file ends before MOTION; export it anew", len(self.text))
-                raise self.fault(f"{rest[0]!r} is not expected here; export the file anew", self.skip())
+                    raise self.fault("the file ends before MOTION; export it anew", len(self.text.rstrip()))
+                what = "is not expected here"
+                if rest[0].upper() in ("OFFSET", "CHANNELS", "ROOT", "JOINT"):
+                    what = "lacks what should follow it"
+                raise self.fault(f"{rest[0]!r} {what}; export the file anew", self.skip())
             start, self.at = self.skip(), found.end()
             if found["motion"]:
                 self.check_closed(start)
