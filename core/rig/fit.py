@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -68,6 +69,7 @@ def fit_rig(rig: Rig) -> RigFit:
     heads = np.asarray(rig.rest[bones, :3, 3], np.float64)
     world_rest = quat.multiply(turn, rest)
     world_heads = quat.rotate(turn, heads * scale)
+    _check_limbs(rig, roles, world_heads)
     tpose = tpose_rotations(parents, roles, world_rest, world_heads, None)
     straighten = quat.multiply(tpose, quat.conjugate(world_rest))
     offsets = np.zeros((len(bones), 3))
@@ -76,7 +78,6 @@ def fit_rig(rig: Rig) -> RigFit:
     names = tuple(rig.bones[b] for b in bones)
     skeleton = Skeleton(names, parents, offsets, roles, tips)
     offsets[0] = [0.0, 0.0, _hips_height(skeleton, float(rig.world[2, 3]), world_heads)]
-    _check_limbs(rig, skeleton)
     return RigFit(rig, skeleton, np.array(bones, np.intp), tpose, rest, turn, scale)
 
 
@@ -234,13 +235,13 @@ def _hips_height(skeleton: Skeleton, origin: float, world_heads: Array) -> float
     return (near[0] if near else usual * leg) - float(skeleton.tpose_positions()[feet, 2].mean())
 
 
-def _check_limbs(rig: Rig, skeleton: Skeleton) -> None:
-    for side in SIDES:
-        for part in ("forearm", "hand", "shin", "foot"):
-            joint = skeleton.joint(f"{part}.{side}")
-            if np.linalg.norm(skeleton.offsets[joint]) < 1e-3:
-                where = f"the bone above {skeleton.names[joint]} ({part}.{side}) has no length"
-                raise InputError(f"{rig.name}: {where}; correct the bone map")
+def _check_limbs(rig: Rig, roles: tuple[str, ...], heads: Array) -> None:
+    """Refuse a body whose limbs, trunk or hips have no length; `heads` `(J, 3)` in metres."""
+    limbs = (("upper_arm", "forearm", "hand"), ("thigh", "shin", "foot"))
+    pairs = [(f"{a}.{side}", f"{b}.{side}") for side in SIDES for limb in limbs for a, b in pairwise(limb)]
+    for a, b in [*pairs, ("thigh.L", "thigh.R"), ("hips", "head")]:
+        if np.linalg.norm(heads[roles.index(a)] - heads[roles.index(b)]) < 1e-3:
+            raise InputError(f"{rig.name}: {a} and {b} are at the same place; correct the bone map")
 
 
 def _bone_vectors(skeleton: Skeleton) -> Array:
