@@ -1,10 +1,11 @@
-"""Properties, panels and lists of the user interface."""
+"""Properties, and the Footwork tab of the 3D viewport's sidebar: one module for each step, in the order of work."""
 
 import bpy
 
-from . import lists, properties, sidebar
+from . import bake, databases, lists, predictor, properties, quality, recording, rig, takes
 
-CLASSES = (*lists.CLASSES, *sidebar.CLASSES)
+STEPS = (takes, databases, predictor, recording, rig, bake, quality)
+CLASSES = (*lists.CLASSES, *(cls for step in STEPS for cls in step.CLASSES))
 
 
 def register() -> None:

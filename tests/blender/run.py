@@ -12,6 +12,7 @@ import importlib.machinery
 import os
 import sys
 import tempfile
+import traceback
 from pathlib import Path
 from types import ModuleType
 
@@ -37,21 +38,20 @@ class _Installed(importlib.abc.MetaPathFinder, importlib.abc.Loader):
         module.__spec__ = self._own_spec
 
 
-def main(arguments: list[str]) -> int:
-    """Install, enable, test, disable."""
-    folder = Path(tempfile.mkdtemp(prefix="footwork-"))
+def main(arguments: list[str], folder: Path) -> int:
+    """Install into `folder`, enable, test, disable."""
     os.environ["BLENDER_USER_RESOURCES"] = str(folder)
     os.environ["FOOTWORK_BLENDER_TESTS"] = "1"
     # a run on one Blender must not meet compiled files of another's Python
     sys.dont_write_bytecode = True
-    # bpy first: it makes addon_utils importable
-    import addon_utils
     import bpy
     import pytest
 
     sys.path.insert(0, str(ROOT / "tools"))
     from build_extension import build
 
+    # importable only once bpy is imported
+    addon_utils = importlib.import_module("addon_utils")
     print(f"Blender {bpy.app.version_string}, Python {sys.version.split()[0]}", flush=True)
     zip_path = build(folder)
     os.environ["FOOTWORK_ZIP"] = str(zip_path)
@@ -71,13 +71,12 @@ def main(arguments: list[str]) -> int:
 
 
 if __name__ == "__main__":
-    try:
-        result = main(sys.argv[1:])
-    except BaseException:
-        import traceback
-
-        traceback.print_exc()
-        result = 1
+    with tempfile.TemporaryDirectory(prefix="footwork-", ignore_cleanup_errors=True) as user:
+        try:
+            result = main(sys.argv[1:], Path(user))
+        except BaseException:
+            traceback.print_exc()
+            result = 1
     sys.stdout.flush()
     sys.stderr.flush()
     # some bpy modules crash or hang while Python tears them down

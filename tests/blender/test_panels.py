@@ -8,18 +8,19 @@ from types import SimpleNamespace
 import bpy
 import helpers
 import pytest
+from footwork import panels
 from footwork.bridge import armature
 from footwork.bridge.settings import read_settings
 from footwork.core.rig.fit import rig_from_skeleton
 from footwork.core.settings import BakeSettings, DatabaseSettings, check
 from footwork.nn.settings import TrainSettings
 from footwork.operators import job_operator
-from footwork.panels import lists, sidebar
+from footwork.panels import lists
 
 ICONS = {
     item.identifier for item in bpy.types.UILayout.bl_rna.functions["label"].parameters["icon"].enum_items
 }
-PANELS = [cls for cls in sidebar.CLASSES if issubclass(cls, (bpy.types.Panel, bpy.types.Menu))]
+PANELS = [cls for cls in panels.CLASSES if issubclass(cls, (bpy.types.Panel, bpy.types.Menu))]
 
 
 class Layout(SimpleNamespace):
@@ -127,17 +128,17 @@ def test_panels_draw_in_the_middle_of_the_work(filled, cls) -> None:
 def test_panels_draw_for_a_rig_that_is_not_understood(filled) -> None:
     for number, bone in enumerate(filled.rig.data.bones):
         bone.name = f"x{number}"
-    texts = " ".join(draw(sidebar.FOOTWORK_PT_rig).texts)
+    texts = " ".join(draw(panels.rig.FOOTWORK_PT_rig).texts)
     assert "not recognised" in texts and "Set bones below" in texts
 
 
 @pytest.mark.parametrize(
     ("cls", "operator"),
     [
-        (sidebar.FOOTWORK_PT_takes, "footwork.inspect_takes"),
-        (sidebar.FOOTWORK_PT_takes, "footwork.build_database"),
-        (sidebar.FOOTWORK_PT_predictor, "footwork.train_predictor"),
-        (sidebar.FOOTWORK_PT_bake, "footwork.bake"),
+        (panels.takes.FOOTWORK_PT_takes, "footwork.inspect_takes"),
+        (panels.takes.FOOTWORK_PT_takes, "footwork.build_database"),
+        (panels.predictor.FOOTWORK_PT_predictor, "footwork.train_predictor"),
+        (panels.bake.FOOTWORK_PT_bake, "footwork.bake"),
     ],
 )
 def test_the_running_job_is_shown_where_it_was_started(filled, monkeypatch, cls, operator) -> None:
@@ -153,7 +154,7 @@ def test_steps_are_in_the_order_of_work() -> None:
 
 def test_every_setting_is_shown_once(filled) -> None:
     filled.bake.trajectory = "causal"
-    shown = draw(sidebar.FOOTWORK_PT_bake).properties
+    shown = draw(panels.bake.FOOTWORK_PT_bake).properties
     for item in fields(BakeSettings):
         assert shown.count(item.name) == 1, item.name
 

@@ -1,0 +1,46 @@
+"""6: the recording becomes an action of the rig."""
+
+import bpy
+
+from .parts import Part, job_button, settings_column
+
+MAIN_BAKE_SETTINGS = ("trajectory", "search", "alpha", "beta")
+CAUSAL_SETTINGS = ("beta", "smoothing")
+"""Settings that only the causal trajectory uses."""
+FITTING_SETTINGS = ("scale_to_rig", "foot_lock", "head", "arms")
+
+
+class FOOTWORK_PT_bake(Part, bpy.types.Panel):
+    """The recording becomes an action of the rig"""
+
+    bl_idname = "FOOTWORK_PT_bake"
+    bl_label = "6  Bake"
+
+    def draw(self, context):
+        layout, footwork = self.layout, context.scene.footwork
+        settings = footwork.bake
+        idle = () if settings.trajectory == "causal" else CAUSAL_SETTINGS
+        known = [name for name in settings.__annotations__ if name not in idle]
+        layout.use_property_decorate = False
+        settings_column(layout, settings, [name for name in MAIN_BAKE_SETTINGS if name in known])
+        grid = layout.grid_flow(row_major=True, columns=2, even_columns=True, align=True)
+        for name in FITTING_SETTINGS:
+            if name in known:
+                grid.prop(settings, name)
+        header, body = layout.panel("FOOTWORK_bake_advanced", default_closed=True)
+        header.label(text="Advanced")
+        if body:
+            settings_column(
+                body, settings, [n for n in known if n not in MAIN_BAKE_SETTINGS + FITTING_SETTINGS]
+            )
+        header, body = layout.panel("FOOTWORK_bake_output", default_closed=True)
+        header.label(text="Output")
+        if body:
+            body.use_property_split = True
+            body.use_property_decorate = False
+            for name in ("action_name", "frame_start", "fit_range", "markers", "keep_previous"):
+                body.prop(footwork, name)
+        job_button(layout, "footwork.bake", "ARMATURE_DATA", 1.6)
+
+
+CLASSES = (FOOTWORK_PT_bake,)

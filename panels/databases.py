@@ -1,0 +1,46 @@
+"""2: the motion databases that a bake chooses from."""
+
+import bpy
+
+from ..operators.files import active
+from . import text
+from .parts import Part
+
+
+class FOOTWORK_PT_databases(Part, bpy.types.Panel):
+    """Motion databases that the bake chooses from"""
+
+    bl_idname = "FOOTWORK_PT_databases"
+    bl_label = "2  Databases"
+
+    def step_icon(self, footwork):
+        return "CHECKMARK" if any(row.use for row in footwork.databases) else ""
+
+    def draw(self, context):
+        layout, footwork = self.layout, context.scene.footwork
+        row = layout.row()
+        row.template_list(
+            "FOOTWORK_UL_databases", "", footwork, "databases", footwork, "database_index", rows=3
+        )
+        buttons = row.column(align=True)
+        buttons.operator("footwork.add_database", text="", icon="ADD")
+        buttons.operator("footwork.remove_database", text="", icon="REMOVE")
+        if len(footwork.databases) > 1:
+            buttons.operator("footwork.move_database", text="", icon="TRIA_UP").step = -1
+            buttons.operator("footwork.move_database", text="", icon="TRIA_DOWN").step = 1
+        database = active(footwork.databases, footwork.database_index)
+        if database is None:
+            text.notes(context, layout, "Build one above, or add one that was built before", "INFO")
+            return
+        heights = layout.row(align=True)
+        heights.use_property_split = True
+        heights.use_property_decorate = False
+        heights.prop(database, "height_low", text="Height Range")
+        heights.prop(database, "height_high", text="")
+        header, body = layout.panel("FOOTWORK_database_found", default_closed=True)
+        header.label(text="In This Database")
+        if body:
+            text.facts(body, database.found)
+
+
+CLASSES = (FOOTWORK_PT_databases,)

@@ -1,0 +1,61 @@
+"""What all parts of the Footwork tab share."""
+
+from ..operators import job_operator
+
+
+class Part:
+    """What all parts of the tab share."""
+
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Footwork"
+
+    def draw_header_preset(self, context):
+        """Say at the right of the header how far this step is."""
+        icon = self.step_icon(context.scene.footwork)
+        if icon:
+            self.layout.label(text="", icon=icon)
+
+    def step_icon(self, footwork) -> str:
+        """Icon for the step's state, "" for none."""
+        return ""
+
+
+def job_button(layout, operator: str, icon: str, scale: float) -> None:
+    """The button that starts a job; while the job runs, its progress and a button to cancel it."""
+    if not job_progress(layout, operator):
+        row = layout.row()
+        row.scale_y = scale
+        row.operator(operator, icon=icon)
+
+
+def job_progress(layout, operator: str) -> bool:
+    """How far this operator's job is; False where it does not run."""
+    running = job_operator.running
+    if running is None or running.operator != operator:
+        return False
+    row = layout.row(align=True)
+    row.progress(factor=running.fraction, text=f"{running.title}: {running.fraction:.0%}")
+    row.operator("footwork.cancel_job", text="", icon="X")
+    message = layout.row()
+    message.active = False
+    message.label(text=running.message)
+    return True
+
+
+def settings_column(layout, settings, names) -> None:
+    """Settings below each other: choices beside their name, numbers with the name inside."""
+    column = layout.column(align=True)
+    weights = False
+    for name in names:
+        if name.startswith("weight_") != weights:
+            weights = not weights
+            column = layout.column(align=True)
+            if weights:
+                column.label(text="Weights in the Search")
+        if settings.bl_rna.properties[name].type == "ENUM":
+            split = column.split(factor=0.35)
+            split.label(text=settings.bl_rna.properties[name].name)
+            split.prop(settings, name, text="")
+        else:
+            column.prop(settings, name)

@@ -1,0 +1,42 @@
+"""3: where the body's direction comes from."""
+
+import bpy
+
+from ..operators.predictor import torch_missing
+from . import text
+from .parts import Part, job_button, settings_column
+
+
+class FOOTWORK_PT_predictor(Part, bpy.types.Panel):
+    """Where the body's direction comes from"""
+
+    bl_idname = "FOOTWORK_PT_predictor"
+    bl_label = "3  Predictor"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def step_icon(self, footwork):
+        missing = footwork.predictor == "FILE" and not footwork.predictor_path
+        return "" if missing else "CHECKMARK"
+
+    def draw(self, context):
+        layout, footwork = self.layout, context.scene.footwork
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        layout.prop(footwork, "predictor")
+        if footwork.predictor == "FILE":
+            layout.prop(footwork, "predictor_path", text="File")
+        header, body = layout.panel("FOOTWORK_training", default_closed=True)
+        header.label(text="Training")
+        if not body:
+            return
+        if torch_missing():
+            text.notes(context, body, torch_missing(), "INFO")
+        body.use_property_split = False
+        settings = footwork.train_settings
+        paper = settings.kind == "paper"
+        unused = "voters" if paper else "iterations"
+        settings_column(body, settings, [name for name in settings.__annotations__ if name != unused])
+        job_button(body, "footwork.train_predictor", "PLAY", 1.3)
+
+
+CLASSES = (FOOTWORK_PT_predictor,)

@@ -1,0 +1,39 @@
+"""7: how good the last bake is."""
+
+import bpy
+
+from . import text
+from .parts import Part
+
+
+class FOOTWORK_PT_quality(Part, bpy.types.Panel):
+    """How good the last bake is"""
+
+    bl_idname = "FOOTWORK_PT_quality"
+    bl_label = "7  Quality"
+
+    def step_icon(self, footwork):
+        if not footwork.figures:
+            return ""
+        return "ERROR" if any(row.good == "POOR" for row in footwork.figures) else "CHECKMARK"
+
+    def draw(self, context):
+        layout, footwork = self.layout, context.scene.footwork
+        if not footwork.figures:
+            layout.label(text="Nothing baked yet", icon="INFO")
+            return
+        layout.label(text=footwork.figures_of, icon="ACTION")
+        column = layout.column(align=True)
+        for index, row in enumerate(footwork.figures):
+            split = column.split(factor=0.55)
+            icon = {"GOOD": "CHECKMARK", "POOR": "ERROR"}.get(row.good, "BLANK1")
+            split.label(text=row.name, icon=icon)
+            value = split.row()
+            value.alignment = "LEFT"
+            value.operator("footwork.explain_figure", text=row.value, emboss=False).index = index
+        told = footwork.recording_doubts.splitlines()
+        fresh = [line for line in footwork.warnings.splitlines() if line not in told]
+        text.notes(context, layout, "\n".join(fresh))
+
+
+CLASSES = (FOOTWORK_PT_quality,)
