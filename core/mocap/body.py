@@ -113,21 +113,22 @@ def with_toes(body: Body) -> tuple[Body, list[str]]:
         if f"toe.{side}" in body.roles or not body.tips[foot].any():
             continue
         name = body.names[foot]
-        renamed = name.replace("Foot", "Toe").replace("foot", "toe").replace("Ankle", "Toe")
         made.append(name)
-        toe = body.positions[:, foot] + quat.rotate(body.rotations[:, foot], body.tips[foot])
-        tips = np.concatenate([body.tips, np.zeros((1, 3))])
+        renamed = name.replace("Foot", "Toe").replace("foot", "toe").replace("Ankle", "Toe")
+        at, tip = foot + 1, body.tips[foot]
+        end = body.positions[:, foot] + quat.rotate(body.rotations[:, foot], tip)
+        tips = np.insert(body.tips, at, 0.0, axis=0)
         tips[foot] = 0.0
-        body = replace(
-            body,
-            names=(*body.names, renamed if renamed not in body.names else f"{name} toe"),
-            roles=(*body.roles, f"toe.{side}"),
-            parents=np.append(body.parents, foot),
-            offsets=np.concatenate([body.offsets, body.tips[foot][None]]),
+        toe = renamed if renamed not in body.names else f"{name} toe"
+        body = Body(
+            names=(*body.names[:at], toe, *body.names[at:]),
+            roles=(*body.roles[:at], f"toe.{side}", *body.roles[at:]),
+            parents=np.insert(body.parents + (body.parents > foot), at, foot),
+            offsets=np.insert(body.offsets, at, tip, axis=0),
             tips=tips,
-            positions=np.concatenate([body.positions, toe[:, None]], axis=1),
-            rotations=np.concatenate([body.rotations, body.rotations[:, [foot]]], axis=1),
-            slide=np.append(body.slide, 0.0),
+            positions=np.insert(body.positions, at, end, axis=1),
+            rotations=np.insert(body.rotations, at, body.rotations[:, foot], axis=1),
+            slide=np.insert(body.slide, at, 0.0),
         )
     return body, made
 

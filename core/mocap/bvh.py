@@ -38,7 +38,7 @@ class BvhFile:
     """What a BVH file says, unchanged."""
 
     names: tuple[str, ...]
-    """Joint names `(J,)`, in file order: parents before children."""
+    """Joint names `(J,)`, in file order: each joint is followed by all that hangs on it."""
     parents: NDArray[np.intp]
     """`(J,)`, -1 for the root."""
     offsets: Array
@@ -118,11 +118,16 @@ def write_bvh(path: str | os.PathLike[str], bvh: BvhFile) -> None:
 
 
 def format_bvh(bvh: BvhFile) -> str:
-    """The text of a BVH file: every number by its shortest exact form."""
+    """The text of a BVH file: every number by its shortest exact form.
+
+    Raises:
+        ValueError: the joints are not in file order, so that the values would go to the wrong ones.
+    """
     count = len(bvh.names)
     children = [np.flatnonzero(bvh.parents == joint).tolist() for joint in range(count)]
     ends = [np.flatnonzero(bvh.end_parents == joint).tolist() for joint in range(count)]
     lines = ["HIERARCHY"]
+    expected = 0
     todo: list[tuple[int, int]] = [(0, 0)]
     while todo:
         joint, depth = todo.pop()
@@ -130,6 +135,9 @@ def format_bvh(bvh: BvhFile) -> str:
         if joint < 0:
             lines.append(f"{tab}}}")
             continue
+        if joint != expected:
+            raise ValueError(f"joint {bvh.names[joint]} is not in file order")
+        expected += 1
         lines += [f"{tab}{'JOINT' if depth else 'ROOT'} {bvh.names[joint]}", f"{tab}{{"]
         lines.append(f"{tab}\tOFFSET {_numbers(bvh.offsets[joint])}")
         lines.append(" ".join([f"{tab}\tCHANNELS {len(bvh.channels[joint])}", *bvh.channels[joint]]))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..maths import quat
 from .bvh import BvhFile
-from .skeleton import Motion
+from .skeleton import Motion, Skeleton
 
 Array = NDArray[np.floating[Any]]
 
@@ -25,10 +26,13 @@ _CENTIMETRES = 100.0
 def to_bvh(motion: Motion, name: str) -> BvhFile:
     """The motion as a BVH file, readable by Blender's importer (as it is set) and by `load_take`.
 
+    Joints come in the order of the hierarchy, which may differ from the motion's.
+
     Args:
         motion: what to write.
         name: file name for the result.
     """
+    motion = _depth_first(motion)
     skeleton = motion.skeleton
     turns = quat.multiply(quat.multiply(_FACING_Z, motion.rotations), quat.conjugate(_FACING_Z))
     # the hips' rotation is global: it starts from T-pose axes, but ends in the world's
@@ -49,4 +53,27 @@ def to_bvh(motion: Motion, name: str) -> BvhFile:
         values=np.concatenate([hips, angles.reshape(len(motion), -1)], axis=1),
         file=name,
         sha256="",
+    )
+
+
+def _depth_first(motion: Motion) -> Motion:
+    """The motion with its joints in the order in which a file lists them."""
+    skeleton = motion.skeleton
+    order: list[int] = []
+    todo = [0]
+    while todo:
+        joint = todo.pop()
+        order.append(joint)
+        todo += np.flatnonzero(skeleton.parents == joint)[::-1].tolist()
+    place = np.argsort(order)
+    return replace(
+        motion,
+        rotations=motion.rotations[:, order],
+        skeleton=Skeleton(
+            names=tuple(skeleton.names[joint] for joint in order),
+            parents=np.append(-1, place[skeleton.parents[order[1:]]]),
+            offsets=skeleton.offsets[order],
+            roles=tuple(skeleton.roles[joint] for joint in order),
+            tips=skeleton.tips[order],
+        ),
     )

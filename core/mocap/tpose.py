@@ -69,7 +69,7 @@ def tpose_rotations(
     body = _Body(parents, roles, rest_rotations, rest_positions, typical)
     for j in range(1, len(parents)):
         body.place(j)
-    body.lean()
+    body.straighten()
     return body.out
 
 
@@ -178,15 +178,30 @@ class _Body:
             return planted
         return candidate if _turn(candidate, planted) < _turn(flat, planted) else flat
 
-    def lean(self) -> None:
-        """Give a spine that only the data shows upright the data's slope: who stands, stands at zero."""
-        if self.typical is None or 0 not in self.doubtful:
+    def straighten(self) -> None:
+        """Put the neck of a spine that no rest pose shows upright over the hips, by the same turn of all its joints.
+
+        So takes of one skeleton agree, and a back that is bent in the data stays bent.
+        """
+        turning = [j for j, role in enumerate(self.roles) if role in (*SPINE, "neck")]
+        if self.typical is None or 0 not in self.doubtful or not turning:
             return
-        for j, role in enumerate(self.roles):
-            if role in (*SPINE, "neck"):
-                forward = quat.rotate(quat.multiply(self.typical[j], quat.conjugate(self.out[j])), FORWARD)
-                pitch = np.clip(np.arctan2(forward[2], forward[1]), -_LEAN, _LEAN)
-                self.out[j] = quat.multiply(quat.from_axis("X", pitch), self.out[j])
+        first, last = turning[0], turning[-1]
+        root, trunk = self._between(0, first), self._between(first, last)
+        height = max(float(np.hypot(trunk[1], trunk[2])), 1e-9)
+        pitch = np.arctan2(trunk[1], trunk[2]) + np.arcsin(np.clip(root[1] / height, -0.5, 0.5))
+        for j in turning:
+            self.out[j] = quat.multiply(quat.from_axis("X", np.clip(pitch, -_LEAN, _LEAN)), self.out[j])
+
+    def _between(self, ancestor: int, j: int) -> Array:
+        """From a joint to one below it `(3,)` in T-pose."""
+        way = np.zeros(3)
+        while j != ancestor:
+            p = int(self.parents[j])
+            offset = quat.rotate(quat.conjugate(self.rest[p]), self.positions[j] - self.positions[p])
+            way += quat.rotate(self.out[p], offset)
+            j = p
+        return way
 
     def _on_parent(self, j: int, pose: Array) -> Array:
         """Joint `j` turned against its parent as in `pose`, its parent in T-pose."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import string
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -188,6 +189,13 @@ def test_position_channels_replace_the_offset_axis_by_axis():
     positions, _ = local_transforms(parse_bvh(text.encode(), "x"))
     assert positions[:, 0].tolist() == [[1, 2, 3], [-1.5, 20, 0.325]]
     assert positions[:, 1].tolist() == [[0, 40, 0.5], [0, 7, 0.5]]
+
+
+def test_joints_out_of_file_order_are_not_written():
+    bvh = parse_bvh(SMALL.replace("JOINT Spine", "JOINT A\n{\nOFFSET 0 0 0\n}\nJOINT Spine").encode(), "x")
+    assert bvh.names == ("Hips", "A", "Spine")
+    with pytest.raises(ValueError, match="file order"):
+        format_bvh(replace(bvh, parents=np.array([-1, 2, 0])))
 
 
 @pytest.mark.parametrize("take", TAKES)
