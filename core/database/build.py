@@ -75,11 +75,11 @@ def build_database(
     pieces: list[_Piece] = []
     mirrored: list[_Piece] = []
     skipped: list[str] = []
-    standing = 0.0
+    motions: list[Motion] = []
     for i, take in enumerate(takes):
         yield i / len(takes), f"Features of {take.name}"
         motion = carry_over(resample(take.motion, settings.fps), skeleton)
-        standing = max(standing, standing_head_height(motion))
+        motions.append(motion)
         for clip in _clips(take, motion, exclude, skipped):
             part = cut(motion, clip.start, clip.stop)
             pieces.append(_piece(clip, part, settings))
@@ -101,7 +101,7 @@ def build_database(
         clips=_clip_table(pieces),
         poses=join_poses([piece.poses for piece in pieces]),
         features=features,
-        eye_height=standing,
+        eye_height=standing_head_height(*motions),
         height_range=(settings.height_low, settings.height_high),
         tags=tuple(tags),
         provenance=_provenance(takes, settings, exclude, skipped),

@@ -43,18 +43,22 @@ def standing_height(heights: Array, speeds: Array) -> float:
     return float(np.median(ordered[start[top] : top + 1]))
 
 
-def standing_head_height(motion: Motion) -> float:
-    """Height in metres of the head joint of a body at ease, as measured in its motion.
+def standing_head_height(*motions: Motion) -> float:
+    """Height in metres of the head joint of a body at ease, as measured in one or more motions of it.
 
-    Kept within what standing people show relative to T-pose, so that a motion in which nobody stands does no harm.
+    Kept within what standing people show relative to T-pose, so that motions in which nobody stands do no harm.
     """
-    skeleton = motion.skeleton
+    skeleton = motions[0].skeleton
     head = skeleton.joint("head")
-    step = max(1, round(motion.fps / _RATE))
-    places, _ = kinematics.forward(
-        motion.positions[::step], motion.rotations[::step], skeleton.offsets, skeleton.parents
-    )
-    heads = places[:, head]
-    speeds = np.linalg.norm(kinematics.velocity(heads, motion.fps / step), axis=-1)
+    heights: list[Array] = []
+    speeds: list[Array] = []
+    for motion in motions:
+        step = max(1, round(motion.fps / _RATE))
+        places, _ = kinematics.forward(
+            motion.positions[::step], motion.rotations[::step], skeleton.offsets, skeleton.parents
+        )
+        heights.append(places[:, head, 2])
+        speeds.append(np.linalg.norm(kinematics.velocity(places[:, head], motion.fps / step), axis=-1))
     low, high = (share * skeleton.tpose_positions()[head, 2] for share in _OF_TPOSE)
-    return float(np.clip(standing_height(heads[:, 2], speeds), low, high))
+    measured = standing_height(np.concatenate(heights), np.concatenate(speeds))
+    return float(np.clip(measured, low, high))

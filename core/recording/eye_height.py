@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..maths import kinematics
+from ..maths import kinematics, quat
 from ..mocap.standing import standing_height
+from .recording import Mounts
 from .timeline import Samples
 
 _PLAUSIBLE_M = (1.0, 2.1)
@@ -32,7 +33,7 @@ def calibrate(samples: Samples, given: float | None, stated: float | None, on_fl
     """The eye height: given by the user, or stated in the file, or measured from the recording.
 
     Args:
-        samples: the repaired recording.
+        samples: the repaired recording, as looking ahead.
         given: metres, or None.
         stated: metres as the file has it, or None.
         on_floor: whether heights are above the floor; if not, the measured standing height is put at the eye
@@ -61,6 +62,18 @@ def calibrate(samples: Samples, given: float | None, stated: float | None, on_fl
             f"eye height of {eye_height:.2f} m is implausible; give the wearer's, check unit and floor"
         )
     return Calibration(eye_height, source, 0.0 if on_floor else eye_height - standing, tuple(doubts))
+
+
+def looking_ahead(samples: Samples, mounts: Mounts) -> Samples:
+    """The samples with the headset where it would be, did its wearer look straight ahead.
+
+    Who looks down lowers the headset, which sits before the head's joint, without being less tall.
+    """
+    head = quat.multiply(samples.rotations[:, 0], quat.conjugate(mounts.turns[0]))
+    positions = samples.positions.copy()
+    positions[:, 0] += mounts.offsets[0] * (0.0, 0.0, 1.0)
+    positions[:, 0] -= quat.rotate(head, mounts.offsets[0])
+    return replace(samples, positions=positions)
 
 
 def headset_standing_height(samples: Samples) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..errors import InputError
 from . import aframe, bsor, csv_format, layouts
-from .eye_height import calibrate, put_down
+from .eye_height import calibrate, looking_ahead, put_down
 from .mounts import DEVICE_MOUNTS
 from .raw import Format, RawRecording
 from .recording import TRACKERS, Recording
@@ -69,7 +69,8 @@ def to_recording(raw: RawRecording, file: str, sha256: str, eye_height: float | 
 def _finish(raw: RawRecording, repaired: Repaired, given: float | None, file: str, sha256: str) -> Recording:
     """Calibrate the eye height and say what was found."""
     samples = repaired.samples
-    calibration = calibrate(samples, given, raw.eye_height, raw.on_floor)
+    level = looking_ahead(samples, raw.mounts)
+    calibration = calibrate(level, given, raw.eye_height, raw.on_floor)
     doubts = [*repaired.doubts, *calibration.doubts]
     start = put_down(samples)
     if start is not None:

@@ -205,7 +205,8 @@ def test_a_real_beat_saber_replay(data: Path) -> None:
 
 def test_a_real_recording_in_centimetres(data: Path) -> None:
     recording = read_recording(data / "recordings" / "alyx_test.csv")
-    assert 1.60 < recording.eye_height < 1.65
+    # 1.63 m as worn, looking down by some 30 degrees
+    assert 1.63 < recording.eye_height < 1.72
     np.testing.assert_allclose(np.linalg.norm(recording.rotations, axis=-1), 1.0, atol=1e-12)
     assert (np.median(in_head_yaw(recording)[:, :, 1], axis=0) > 0.1).all(), "hands are in front"
 

@@ -9,7 +9,13 @@ import pytest
 from footwork.core.errors import InputError
 from footwork.core.maths import quat
 from footwork.core.mocap.demo import demo_motion
-from footwork.core.recording.eye_height import calibrate, headset_standing_height, put_down
+from footwork.core.recording.eye_height import (
+    calibrate,
+    headset_standing_height,
+    looking_ahead,
+    put_down,
+)
+from footwork.core.recording.mounts import grip_mounts
 from footwork.core.recording.raw import RawRecording, Track
 from footwork.core.recording.recording import Recording
 from footwork.core.recording.repair import repair
@@ -277,3 +283,15 @@ def test_a_headset_taken_off() -> None:
     samples.positions[600:, 0, 2] = 0.9
     assert put_down(samples) == 10.0
     assert put_down(standing(np.full(600, 1.6))) is None
+
+
+def test_looking_down_makes_nobody_smaller() -> None:
+    upright = standing(np.full(600, 1.6))
+    bowed = replace(upright, rotations=upright.rotations.copy(), positions=upright.positions.copy())
+    pitch = np.radians(-40.0)
+    bowed.rotations[:, 0] = quat.from_axis("X", pitch)
+    # closed form: the headset sits 8 cm ahead of and 9 cm above the joint that turns
+    bowed.positions[:, 0, 1] += 0.08 * np.cos(pitch) - 0.09 * np.sin(pitch) - 0.08
+    bowed.positions[:, 0, 2] += 0.08 * np.sin(pitch) + 0.09 * np.cos(pitch) - 0.09
+    mounts = grip_mounts(head=(0.0, 0.08, 0.09), reach=0.1, pitch=0.0)
+    assert headset_standing_height(looking_ahead(bowed, mounts)) == pytest.approx(1.6, abs=0.001)
