@@ -32,6 +32,12 @@ def armature_to_rig(obj: bpy.types.Object, metres_per_unit: float = 1.0) -> Rig:
     """
     names, parents, bones = _hierarchy(obj)
     roles = _roles(obj, names, role_map(obj))
+    hips = bones[roles.index("hips")]
+    if hips.parent is not None and hips.use_connect:
+        raise InputError(
+            f"{obj.name}: the hips bone {hips.name!r} is connected to its parent and cannot move; "
+            "disconnect it in Edit Mode"
+        )
     world = np.array(obj.matrix_world, dtype=np.float64)
     world[:3] *= metres_per_unit
     return Rig(
@@ -90,17 +96,30 @@ def rig_doubts(obj: bpy.types.Object) -> tuple[str, ...]:
     """One line for each thing on the armature that will show in, or spoil, a bake."""
     mapped = [obj.pose.bones[bone] for bone in role_map(obj).values() if bone in obj.pose.bones]
     doubts = list(detected_preset(obj)[1])
+    if obj.data.pose_position == "REST":
+        doubts.append("It is shown in rest position and will not move: switch to pose position")
+    if any(not constraint.mute for constraint in obj.constraints):
+        doubts.append("Constraints act on the object: where they move it, the bake goes along")
     constrained = [bone.name for bone in mapped if any(not c.mute for c in bone.constraints)]
     if constrained:
         doubts.append(f"Constraints act on {_some(constrained)} and go on top of the bake")
     loose = [bone.name for bone in mapped if bone.parent and not bone.bone.use_inherit_rotation]
     if loose:
         doubts.append(f"{_some(loose)}: Inherit Rotation is off, the pose will differ")
+    on_ik = [bone.name for bone in obj.pose.bones if bone.get("IK_FK") in (0, 0.0)]
+    if on_ik:
+        doubts.append(f"{_some(on_ik)}: IK-FK is on IK, which hides the bake; set it to FK")
     data = obj.animation_data
     if data is not None and any(not track.mute for track in data.nla_tracks):
         doubts.append("NLA tracks are active and play below the bake")
-    if data is not None and any("rotation" in driver.data_path for driver in data.drivers):
-        doubts.append("Drivers act on rotations and win over keys")
+    if data is not None:
+        driven = [
+            bone.name
+            for bone in mapped
+            if any(d.data_path.startswith(f"{bone.path_from_id()}.rotation") for d in data.drivers)
+        ]
+        if driven:
+            doubts.append(f"Drivers win over keys on {_some(driven)}")
     return tuple(doubts)
 
 
@@ -109,7 +128,7 @@ def create_armature(
 ) -> bpy.types.Object:
     """Make a new armature object from a rig, its bones in quaternion mode, and leave the mode as it was.
 
-    `collection` must be visible in the active view layer.
+    It goes to the scene's own collection where `collection` is linked or hidden in the active view layer.
     """
     layer = bpy.context.view_layer
     before = layer.objects.active
@@ -117,7 +136,11 @@ def create_armature(
     if mode != "OBJECT":
         bpy.ops.object.mode_set(mode="OBJECT")
     obj = bpy.data.objects.new(name, bpy.data.armatures.new(name))
-    collection.objects.link(obj)
+    home = collection if collection.is_editable else bpy.context.scene.collection
+    home.objects.link(obj)
+    if not obj.visible_get(view_layer=layer):
+        home.objects.unlink(obj)
+        bpy.context.scene.collection.objects.link(obj)
     layer.objects.active = obj
     bpy.ops.object.mode_set(mode="EDIT")
     bones = []
@@ -145,16 +168,12 @@ def _hierarchy(
 ) -> tuple[tuple[str, ...], tuple[int, ...], list[bpy.types.Bone]]:
     if obj.type != "ARMATURE":
         raise InputError(f"{obj.name}: it is a {obj.type.lower()}, not an armature")
-    bones: list[bpy.types.Bone] = []
-    waiting = [bone for bone in obj.data.bones if bone.parent is None]
-    while waiting:
-        bone = waiting.pop(0)
-        bones.append(bone)
-        waiting[:0] = bone.children
-    names = tuple(bone.name for bone in bones)
-    index = {name: number for number, name in enumerate(names)}
-    parents = tuple(-1 if bone.parent is None else index[bone.parent.name] for bone in bones)
-    return names, parents, bones
+    bones = list(obj.data.bones)
+    index = {bone.name: number for number, bone in enumerate(bones)}
+    parents = [-1 if bone.parent is None else index[bone.parent.name] for bone in bones]
+    # Blender lists bones from the roots down
+    assert all(parent < number for number, parent in enumerate(parents))
+    return tuple(index), tuple(parents), bones
 
 
 @lru_cache(maxsize=16)

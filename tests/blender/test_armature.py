@@ -95,13 +95,49 @@ def test_other_objects_are_refused(empty) -> None:
         armature.armature_to_rig(bpy.data.objects.new("Nothing", None))
 
 
-def test_constraints_on_mapped_bones_are_told(empty) -> None:
+def test_what_spoils_a_bake_is_told(empty) -> None:
+    rig = rig_from_skeleton(helpers.skeleton(), "Person")
+    obj = armature.create_armature(rig, "Person", empty.collection)
+    assert not armature.rig_doubts(obj)
+    wrist = obj.pose.bones["LeftWrist"]
+    wrist.constraints.new("COPY_ROTATION")
+    obj.pose.bones["LeftElbow"].driver_add("rotation_quaternion", 0)
+    obj.pose.bones["Head"]["IK_FK"] = 0.0
+    obj.data.bones["RightKnee"].use_inherit_rotation = False
+    obj.data.pose_position = "REST"
+    obj.animation_data.nla_tracks.new()
+    doubts = armature.rig_doubts(obj)
+    for text in (
+        "Constraints act on LeftWrist",
+        "Drivers win over keys on LeftElbow",
+        "Head: IK-FK",
+        "RightKnee: Inherit",
+        "rest position",
+        "NLA",
+    ):
+        assert sum(text in doubt for doubt in doubts) == 1, text
+
+
+def test_hips_that_cannot_move_are_refused(empty) -> None:
     obj = armature.create_armature(
         rig_from_skeleton(helpers.skeleton(), "Person"), "Person", empty.collection
     )
-    assert not armature.rig_doubts(obj)
-    obj.pose.bones["LeftWrist"].constraints.new("COPY_ROTATION")
-    assert "LeftWrist" in armature.rig_doubts(obj)[0]
+    bpy.context.view_layer.objects.active = obj
+    bpy.ops.object.mode_set(mode="EDIT")
+    root = obj.data.edit_bones.new("Root")
+    root.tail = obj.data.edit_bones["Hips"].head
+    obj.data.edit_bones["Hips"].parent, obj.data.edit_bones["Hips"].use_connect = root, True
+    bpy.ops.object.mode_set(mode="OBJECT")
+    with pytest.raises(InputError, match="connected"):
+        armature.armature_to_rig(obj)
+
+
+def test_an_armature_is_made_although_the_active_collection_is_hidden(empty) -> None:
+    hidden = bpy.data.collections.new("Hidden")
+    empty.collection.children.link(hidden)
+    bpy.context.view_layer.layer_collection.children["Hidden"].exclude = True
+    obj = armature.create_armature(rig_from_skeleton(helpers.skeleton(), "Person"), "Person", hidden)
+    assert obj.name in bpy.context.view_layer.objects and len(obj.data.bones) == len(helpers.skeleton())
 
 
 def test_scene_units_count(empty) -> None:
