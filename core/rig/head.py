@@ -131,8 +131,9 @@ class _Chain:
         if count < 1:
             return
         places = self.places()
-        levers = sum(places[-1][:, 2] - places[i][:, 2] for i in range(self.pelvis, self.chest + 1))
-        total = norm(way) * count / np.maximum(levers, 0.3)
+        top = places[self.chest + 1][:, 2]
+        levers = sum(top - places[i][:, 2] for i in range(self.pelvis, self.chest + 1))
+        total = norm(way) * count / np.maximum(levers, 0.2)
         axis = np.stack([-way[:, 1], way[:, 0], np.zeros(len(way))], axis=-1)
         axis /= np.maximum(norm(axis)[:, None], 1e-9)
         vector = axis * (_BEND * np.tanh(total / _BEND))[:, None]

@@ -1,0 +1,159 @@
+"""The head at its target, and what the rest of the body does for it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from footwork.core.mocap.demo import demo_skeleton
+from footwork.core.mocap.skeleton import Motion
+from footwork.core.rig.head import place_head
+from footwork.core.rig.retarget import retarget
+from scipy.spatial.transform import Rotation
+
+
+def standing(frames: int) -> Motion:
+    skeleton = demo_skeleton()
+    rotations = np.tile([1.0, 0, 0, 0], (frames, len(skeleton), 1))
+    return Motion(skeleton, 60.0, np.tile(skeleton.offsets[0], (frames, 1)), rotations)
+
+
+def wxyz(rotation: Rotation) -> np.ndarray:
+    return np.roll(rotation.as_quat(), 1, axis=-1)
+
+
+@pytest.fixture(scope="module")
+def targets(visit: Motion, walk: Motion, world) -> tuple[np.ndarray, np.ndarray]:
+    """A head that moves as another person's does, about where the walking body is."""
+    frames = np.arange(len(walk)) % len(visit)
+    places, turns = world(visit, "head")
+    own = world(walk, "head")[0]
+    # the visitor's head relative to a slow copy of its own path
+    slow = np.stack(
+        [np.convolve(np.pad(c, 90, "edge"), np.ones(181) / 181, "valid") for c in places.T], axis=-1
+    )
+    slow[:, 2] = np.median(places[:, 2])
+    return own + (places - slow)[frames] * np.hanning(len(walk))[:, None], turns[frames]
+
+
+def all_valid(motion: Motion) -> np.ndarray:
+    return np.ones(len(motion), np.bool_)
+
+
+def test_the_head_is_at_its_target(walk: Motion, targets, world, degrees_between) -> None:
+    placed, _ = place_head(walk, *targets, all_valid(walk))
+    place, turn = world(placed, "head")
+    assert np.linalg.norm(place - targets[0], axis=-1).max() < 1e-9
+    assert degrees_between(turn, targets[1]).max() < 1e-5
+
+
+def test_a_head_that_is_there_changes_nothing(walk: Motion, world) -> None:
+    placed, moved = place_head(walk, *world(walk, "head"), all_valid(walk))
+    np.testing.assert_allclose(placed.forward()[0], walk.forward()[0], atol=1e-9)
+    np.testing.assert_allclose(moved, 0.0, atol=1e-9)
+
+
+def test_a_look_to_the_side_turns_neck_more_than_chest(world, degrees_between) -> None:
+    body = standing(120)
+    places, _ = world(body, "head")
+    look = np.tile(wxyz(Rotation.from_euler("z", 70, degrees=True)), (120, 1))
+    placed, _ = place_head(body, places, look, all_valid(body))
+    turned = {
+        r: degrees_between(world(placed, r)[1], world(body, r)[1])[60]
+        for r in ("hips", "chest", "neck", "head")
+    }
+    assert turned["head"] == pytest.approx(70, abs=1e-6) and turned["hips"] == pytest.approx(0, abs=1e-6)
+    assert 30 < turned["neck"] < 50 and 5 < turned["chest"] < 20
+    # the chest stays upright: only its heading goes along
+    up = Rotation.from_quat(np.roll(world(placed, "chest")[1][60], -1)).apply([0, 0, 1])
+    assert up[2] > 0.9999
+
+
+def test_a_head_that_turns_all_the_way_round_flips_nothing(world) -> None:
+    frames = 360
+    body = standing(frames)
+    places, _ = world(body, "head")
+    look = wxyz(Rotation.from_euler("z", np.arange(frames)[:, None], degrees=True))
+    placed, _ = place_head(body, places, look, all_valid(body))
+    for role in ("chest", "neck", "spine1"):
+        turns = Rotation.from_quat(np.roll(world(placed, role)[1], -1, axis=-1))
+        step = np.degrees((turns[1:] * turns[:-1].inv()).magnitude())
+        assert step.max() < 3.0, role
+
+
+def test_a_quick_lean_bends_the_spine_and_a_slow_drift_moves_the_body(world) -> None:
+    body = standing(1200)
+    places, turns = world(body, "head")
+    time = np.arange(1200) / 60.0
+
+    quick = places.copy()
+    quick[:, 1] += 0.06 * np.sin(2 * np.pi * 1.0 * time)
+    leaning, moved = place_head(body, quick, turns, all_valid(body))
+    hips = leaning.positions[300:900, 1]
+    assert np.ptp(hips) < 0.04 and np.ptp(moved[300:900, 1]) < 0.02
+
+    slow = places.copy()
+    slow[:, 0] += 0.2 * np.sin(2 * np.pi * 0.05 * time)
+    drifting, moved = place_head(body, slow, turns, all_valid(body))
+    np.testing.assert_allclose(drifting.positions[300:900, 0], slow[300:900, 0], atol=0.01)
+    np.testing.assert_allclose(moved[300:900, 0], slow[300:900, 0], atol=0.01)
+
+
+def test_the_spine_does_not_bend_past_its_limit(world, degrees_between) -> None:
+    body = standing(240)
+    places, turns = world(body, "head")
+    places[120:] += [0.0, 0.5, 0.0]
+    placed, _ = place_head(body, places, turns, all_valid(body))
+    assert degrees_between(world(placed, "chest")[1], world(body, "chest")[1]).max() < 21.0
+    assert np.linalg.norm(world(placed, "head")[0] - places, axis=-1).max() < 1e-9
+
+
+@pytest.mark.parametrize("drop", [0.2, 0.45, 0.8])
+def test_a_low_head_lowers_and_stoops_the_body_but_not_below_the_floor(drop: float, world) -> None:
+    body = standing(120)
+    places, turns = world(body, "head")
+    places -= [0.0, 0.0, drop]
+    placed, _ = place_head(body, places, turns, all_valid(body))
+    hips, chest = world(placed, "hips")[0], world(placed, "chest")[0]
+    assert hips[60, 2] >= 0.2 * body.skeleton.leg_length()
+    assert hips[60, 2] < body.positions[60, 2] - 0.1
+    assert chest[60, 1] - hips[60, 1] > 0.03
+    if drop < 0.8:
+        assert np.linalg.norm(world(placed, "head")[0] - places, axis=-1).max() < 1e-9
+
+
+def test_a_lost_headset_leaves_the_head_to_the_motion(walk: Motion, targets, world, degrees_between) -> None:
+    valid = all_valid(walk)
+    valid[300:420] = False
+    places, turns = (np.where(valid[:, None], value, np.nan) for value in targets)
+    placed, _ = place_head(walk, places, turns, valid)
+    assert np.isfinite(placed.rotations).all() and np.isfinite(placed.positions).all()
+    middle = slice(320, 400)
+    assert degrees_between(world(placed, "head")[1][middle], world(walk, "head")[1][middle]).max() < 1e-4
+    head, neck = (walk.skeleton.joint(role) for role in ("head", "neck"))
+    assert degrees_between(placed.rotations[middle, neck], walk.rotations[middle, neck]).max() < 3.0
+    steps = degrees_between(placed.rotations[1:, head], placed.rotations[:-1, head])
+    assert steps[290:430].max() < 8.0
+
+
+def test_no_headset_at_all_changes_nothing(walk: Motion, targets) -> None:
+    placed, moved = place_head(walk, *targets, np.zeros(len(walk), np.bool_))
+    assert placed is walk and not moved.any()
+
+
+@pytest.mark.parametrize(
+    "parts",
+    [("neck",), ("spine1", "spine2", "spine3", "chest"), ("spine1", "spine2", "spine3", "chest", "neck")],
+)
+def test_bodies_with_fewer_joints(walk: Motion, targets, without, world, parts: tuple[str, ...]) -> None:
+    body = retarget(walk, without(walk.skeleton, *parts))
+    placed, _ = place_head(body, *targets, all_valid(walk))
+    assert np.linalg.norm(world(placed, "head")[0] - targets[0], axis=-1).max() < 1e-9
+
+
+@pytest.mark.parametrize("frames", [1, 2, 5])
+def test_short_motions(walk: Motion, targets, frames: int, world) -> None:
+    short = replace(walk, positions=walk.positions[:frames], rotations=walk.rotations[:frames])
+    placed, _ = place_head(short, targets[0][:frames], targets[1][:frames], np.ones(frames, np.bool_))
+    assert np.linalg.norm(world(placed, "head")[0] - targets[0][:frames], axis=-1).max() < 1e-9
