@@ -20,12 +20,13 @@ from ..settings import BakeSettings
 Array = NDArray[np.floating[Any]]
 Rows = NDArray[np.intp]
 
-MANY_FRAMES = 60_000
+MANY_FRAMES = 120_000
 """From this many frames on the hierarchy is the faster one; measured, see docs/matching.md."""
 
 _SMALL, _LARGE = 16, 64
 _FAN = _LARGE // _SMALL
-_PROBES = 4
+_PROBES = 32
+"""Large boxes that are looked into first, and as many small ones of theirs, for a bound on the cost."""
 _ROUNDING = 40.0 * 2.0**-24
 """Times (|z| + |q|)^2: more than single precision can be off in any of the sums below (28 terms and their
 inputs)."""
@@ -137,8 +138,9 @@ class BoxSearch(_Exact):
     """Bounding boxes round 64 and round 16 frames that follow each other (Holden et al. 2020), in whole
     arrays.
 
-    The distance to a box is never more than to a frame in it: boxes of 64 farther than the best frame found
-    so far drop out, of the rest the boxes of 16, and the frames of what remains are compared.
+    The distance to a box is never more than to a frame in it: boxes of 64 farther than the limit or than the
+    best frame of the nearest boxes drop out, of the rest the boxes of 16, and the frames of what remains are
+    compared.
     """
 
     def __init__(self, features: FeatureDatabase, weights: Array) -> None:
@@ -148,43 +150,47 @@ class BoxSearch(_Exact):
         # the last row fills the last box: a tie with itself, which the lower index wins
         self._order: Rows = np.minimum(np.arange(count), len(rows) - 1)
         rows = rows[self._order]
-        self._blocks = rows.reshape(-1, _SMALL, FEATURE_COUNT)
-        self._low, self._high = self._blocks.min(axis=1), self._blocks.max(axis=1)
-        large = rows.reshape(-1, _LARGE, FEATURE_COUNT)
+        small = rows.reshape(-1, _FAN, _SMALL, FEATURE_COUNT)
+        self._low, self._high = small.min(axis=2), small.max(axis=2)
         # one row a dimension: numpy's inner loops then run along the boxes
-        self._large_low = np.ascontiguousarray(large.min(axis=1).T)
-        self._large_high = np.ascontiguousarray(large.max(axis=1).T)
+        self._large_low = np.ascontiguousarray(self._low.min(axis=1).T)
+        self._large_high = np.ascontiguousarray(self._high.max(axis=1).T)
+        self._blocks = rows.reshape(-1, _SMALL, FEATURE_COUNT)
 
     def nearest(self, query: Array, limit: float = np.inf) -> tuple[int, float]:
         """The frame of least cost and its cost; -1 where none costs less than `limit`."""
         scaled = query * self._scale
-        slack = self._slack(scaled)
+        slack = 2.0 * self._slack(scaled)
         point = scaled.astype(np.float32)
         column = point[:, None]
         gap = np.maximum(self._large_low - column, column - self._large_high)
         np.maximum(gap, 0.0, out=gap)
         bounds = np.einsum("ij,ij->j", gap, gap)
 
-        probes = (
-            np.argpartition(bounds, _PROBES)[:_PROBES] if len(bounds) > _PROBES else np.arange(len(bounds))
-        )
-        bound = min(limit, float(self._distances(self._children(probes), point).min())) + 2.0 * slack
-        blocks = self._children(np.flatnonzero(bounds <= bound))
-        gap = np.maximum(self._low[blocks] - point, point - self._high[blocks])
-        np.maximum(gap, 0.0, out=gap)
-        blocks = blocks[np.einsum("ij,ij->i", gap, gap) <= bound]
+        bound = limit + slack
+        large = (bounds <= bound).nonzero()[0]
+        if len(large) > _PROBES:
+            probes, small = self._small_bounds(
+                large[np.argpartition(bounds[large], _PROBES)[:_PROBES]], point
+            )
+            probes = probes[np.argpartition(small, _PROBES)[:_PROBES]]
+            bound = min(bound, float(self._distances(probes, point).min()) + slack)
+            large = large[bounds[large] <= bound]
+        blocks, small = self._small_bounds(large, point)
+        blocks = blocks[small <= bound]
         if len(blocks) == 0:
             return -1, np.inf
         distances = self._distances(blocks, point)
-        near = np.flatnonzero(distances.ravel() <= min(bound, float(distances.min()) + 2.0 * slack))
-        if len(near) == 0:
-            return -1, np.inf
+        near = (distances.ravel() <= float(distances.min()) + slack).nonzero()[0]
         rows = blocks[near // _SMALL] * _SMALL + near % _SMALL
         return self._best(query, self._order[rows], limit)
 
-    def _children(self, large: Rows) -> Rows:
-        """The boxes of 16 within boxes of 64, ascending where those are."""
-        return (large[:, None] * _FAN + np.arange(_FAN)).ravel()
+    def _small_bounds(self, large: Rows, point: Array) -> tuple[Rows, Array]:
+        """The boxes of 16 within boxes of 64, ascending where those are, and their squared distances."""
+        gap = np.maximum(self._low[large] - point, point - self._high[large])
+        np.maximum(gap, 0.0, out=gap)
+        blocks = (large[:, None] * _FAN + np.arange(_FAN)).ravel()
+        return blocks, np.einsum("ijk,ijk->ij", gap, gap).ravel()
 
     def _distances(self, blocks: Rows, point: Array) -> Array:
         """Squared distances `(B, 16)` of the frames in boxes of 16."""
