@@ -25,6 +25,7 @@ OWN = (
     "multipleActions1_subject1_jog2_filtered",
     "obstacles2_subject2_walk_filtered",
 )
+STOOPING = "obstacles5_subject3_jog_filtered"
 OTHERS = ("walk2_subject3_walk2_filtered", "obstacles4_subject3_walk_filtered")
 
 
@@ -65,7 +66,8 @@ def test_both_searches_agree_on_real_features(locomotion):
             assert way.nearest(query)[0] == np.argmin(cost)
 
 
-def test_the_lean_of_other_people_is_mostly_found(locomotion, users):
+def test_the_lean_of_other_people_is_mostly_found(locomotion, users, data):
+    users = [*users, load_take(data / "takes/lafan1" / f"{STOOPING}.bvh", 60.0).motion]
     before: list[np.ndarray] = []
     after: list[np.ndarray] = []
     for motion in users:
