@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import runpy
 from pathlib import Path
 
 import bpy
@@ -224,3 +225,15 @@ def test_a_mixamo_rig_is_animated_and_left_in_place(empty, ready, data) -> None:
     assert np.array_equal(place, np.array(rig.matrix_world))
     keyed = {path.split('"')[1] for curve in compat.fcurves_of(rig) if (path := curve.data_path)}
     assert "mixamorig:Hips" in keyed and not any("Thumb" in bone for bone in keyed)
+
+
+def test_the_example_job_runs(demo, recording, tmp_path, monkeypatch) -> None:
+    script = Path(__file__).parents[2] / "docs" / "example_job.py"
+    takes = [str(demo / name) for name in ("walk.bvh", "turn.bvh")]
+    output = tmp_path / "baked.blend"
+    arguments = ["--takes", *takes, "--recording", str(recording), "--output", str(output)]
+    monkeypatch.setattr("sys.argv", ["blender", "--", *arguments])
+    runpy.run_path(str(script), run_name="__main__")
+    assert output.is_file() and output.with_suffix(".npz").is_file()
+    bpy.ops.wm.open_mainfile(filepath=str(output))
+    assert bpy.context.scene.footwork.rig.animation_data.action is not None
