@@ -53,28 +53,23 @@ class Augmentation:
 def mix_hands(windows: Float, yaws: Array, how: Augmentation, rng: np.random.Generator) -> Float:
     """Windows `(N, S, 31)` in which some hands do what that hand did in another window.
 
-    A hand is moved with the body: from the head, in the axes of the body's true yaws `(N, S)` in radians. So a hand
-    that waves says nothing of where the other one is.
+    A hand is moved with the body: from the head, in the axes of the body's true yaws `(N, S)` in radians. So
+    a hand that waves says nothing of where the other one is.
     """
     count, samples = windows.shape[:2]
     out = windows.copy()
-    other = rng.permutation(count)
+    other: NDArray[np.intp] = rng.permutation(count)
     turn = yaws - yaws[other]
-    c, s = np.cos(turn).astype(np.float32), np.sin(turn).astype(np.float32)
     places = windows[..., POSITIONS].reshape(count, samples, 3, 3)
+    columns = windows[..., ROTATIONS].reshape(count, samples, 3, 2, 3)
     for hand in (1, 2):
-        chosen = rng.random(count) < how.mix
-        a, b, rows = chosen.nonzero()[0], other[chosen], np.s_[chosen]
-        columns = slice(9 + 6 * hand, 15 + 6 * hand)
-        vectors = np.concatenate(
-            [(places[b, :, hand] - places[b, :, 0])[:, :, None], windows[b][..., columns].reshape(len(b), samples, 2, 3)],
-            axis=2,
-        )
-        x, y = vectors[..., 0].copy(), vectors[..., 1].copy()
-        cc, ss = c[rows][..., None], s[rows][..., None]
-        vectors[..., 0], vectors[..., 1] = cc * x - ss * y, ss * x + cc * y
-        out[a, :, 3 * hand : 3 * hand + 3] = places[a, :, 0] + vectors[:, :, 0]
-        out[a, :, columns] = vectors[:, :, 1:].reshape(len(a), samples, 6)
+        chosen: NDArray[np.bool_] = rng.random(count) < how.mix
+        to = np.flatnonzero(chosen)
+        reach = (places[:, :, hand] - places[:, :, 0])[:, :, None]
+        vectors = np.concatenate([reach, columns[:, :, hand]], axis=2)[other[to]]
+        vectors[..., :2] = angles.turn(vectors[..., :2], turn[to][..., None])
+        out[to, :, 3 * hand : 3 * hand + 3] = places[to, :, 0] + vectors[:, :, 0]
+        out[to, :, 9 + 6 * hand : 15 + 6 * hand] = vectors[:, :, 1:].reshape(len(to), samples, 6)
     return out
 
 
@@ -136,15 +131,18 @@ def _remount(windows: Float, matrices: Float, how: Augmentation, rng: np.random.
     return moved[..., :3]
 
 
-def _turn(windows: Float, matrices: Float, offsets: Array, how: Augmentation, rng: np.random.Generator) -> None:
+def _turn(
+    windows: Float, matrices: Float, offsets: Array, how: Augmentation, rng: np.random.Generator
+) -> None:
     """Bend the path and look elsewhere, in place.
 
-    The whole body turns as if the ground turned under it, by nothing in the middle of the window, where the truth
-    is known; steps are made in the turned direction. The head turns on its own besides.
+    The whole body turns as if the ground turned under it, by nothing in the middle of the window, where the
+    truth is known; steps are made in the turned direction. The head turns on its own besides.
     """
     count = len(windows)
     bend = how.turn * (
-        rng.normal(0.0, 1.0, (count, 1)) * offsets + 0.5 * rng.normal(0.0, 1.0, (count, 1)) * offsets * np.abs(offsets)
+        rng.normal(0.0, 1.0, (count, 1)) * offsets
+        + 0.5 * rng.normal(0.0, 1.0, (count, 1)) * offsets * np.abs(offsets)
     )
     _bend(windows, offsets, bend)
     yaw = np.repeat(bend[:, None], 3, axis=1)

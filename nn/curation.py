@@ -6,6 +6,7 @@ are no motion either. What is left out is said, one line each.
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,9 +44,7 @@ def curate(take: Take) -> Curated:
     if len(jumps):
         notes.append(f"{take.name}: cut at {len(jumps)} jump(s), the first to frame {jumps[0]}")
     borders = [0, *(int(jump) for jump in jumps), last]
-    stretches = [
-        (a, b) for a, b in zip(borders[:-1], borders[1:], strict=True) if b - a >= SHORTEST_S * motion.fps
-    ]
+    stretches = [(a, b) for a, b in itertools.pairwise(borders) if b - a >= SHORTEST_S * motion.fps]
     return Curated(tuple(stretches), tuple(notes))
 
 

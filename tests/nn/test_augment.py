@@ -25,13 +25,17 @@ def _windows(yaw: np.ndarray) -> np.ndarray:
 
 
 def _sampled(yaw: np.ndarray) -> np.ndarray:
-    frames = np.clip(np.arange(len(yaw))[:, None] + np.round(LAYOUT.offsets * 10).astype(int), 0, len(yaw) - 1)
+    frames = np.clip(
+        np.arange(len(yaw))[:, None] + np.round(LAYOUT.offsets * 10).astype(int), 0, len(yaw) - 1
+    )
     return yaw[frames]
 
 
 def test_without_strength_nothing_changes():
     windows = _windows(np.linspace(0, 3, 40))
-    np.testing.assert_allclose(augment(windows, LAYOUT.offsets, NOTHING, np.random.default_rng(0)), windows, atol=1e-6)
+    np.testing.assert_allclose(
+        augment(windows, LAYOUT.offsets, NOTHING, np.random.default_rng(0)), windows, atol=1e-6
+    )
 
 
 def test_hands_of_the_same_stiff_body_mixed_are_the_same_hands():
@@ -42,7 +46,8 @@ def test_hands_of_the_same_stiff_body_mixed_are_the_same_hands():
 
 
 def test_bending_a_stiff_bodys_path_is_turning_the_body():
-    """A body that stands and one that turns differ by the bend alone: seen from the body, all stays as it was."""
+    """A body that stands and one that turns differ by the bend alone: seen from the body, all stays as it
+    was."""
     windows = _windows(np.full(30, 0.4))
     bent = augment(windows, LAYOUT.offsets, replace(NOTHING, turn=1.0), np.random.default_rng(2))
     np.testing.assert_allclose(bent[:, LAYOUT.centre], windows[:, LAYOUT.centre], atol=1e-6)

@@ -41,7 +41,9 @@ def test_place_heading_and_size_of_a_body_do_not_matter():
     turn = quat.from_yaw(1.3)
     moved = quat.rotate(turn, positions) + np.array([5.0, -3.0, 0.0])
     np.testing.assert_allclose(_inputs(moved, quat.multiply(turn, rotations)), expected, atol=2e-5)
-    np.testing.assert_allclose(_inputs(0.85 * positions, rotations, head_height=0.85 * 1.6), expected, atol=2e-6)
+    np.testing.assert_allclose(
+        _inputs(0.85 * positions, rotations, head_height=0.85 * 1.6), expected, atol=2e-6
+    )
 
 
 def test_values_are_those_of_the_axes_of_the_headset():
@@ -52,7 +54,9 @@ def test_values_are_those_of_the_axes_of_the_headset():
     x = _inputs(quat.rotate(turn, positions), quat.multiply(turn, rotations))[2]
     head, hands, facing = (x[group] for group in SMALL.groups[:3])
     np.testing.assert_allclose(head, 0.0, atol=1e-6)
-    np.testing.assert_allclose(hands.reshape(7, 2, 3)[3] * 1.6, [[-0.3, 0.4, -0.6], [0.3, 0.4, -0.6]], atol=1e-6)
+    np.testing.assert_allclose(
+        hands.reshape(7, 2, 3)[3] * 1.6, [[-0.3, 0.4, -0.6], [0.3, 0.4, -0.6]], atol=1e-6
+    )
     np.testing.assert_allclose(facing.reshape(7, 2)[0], [0.0, 1.0], atol=1e-6)
 
 
