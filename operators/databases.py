@@ -9,6 +9,7 @@ from bpy_extras.io_utils import ImportHelper
 from ..bridge.lookup import find_scene
 from ..bridge.settings import read_settings
 from ..core.database.build import build_database
+from ..core.database.clips import parse_exclusion
 from ..core.database.describe import describe_database
 from ..core.database.sidecar import load_database, save_database
 from ..core.errors import InputError
@@ -52,9 +53,16 @@ class FOOTWORK_OT_build_database(JobOperator, bpy.types.Operator):
         if settings.height_low >= settings.height_high:
             raise InputError("the height range is empty: From must be less than To")
         self._path = database_path(footwork, self.filepath)
-        takes = [bpy.path.abspath(take.path) for take in footwork.takes if take.use and take.state != "FAULT"]
+        rows = [take for take in footwork.takes if take.use and take.state != "FAULT"]
+        takes = [bpy.path.abspath(take.path) for take in rows]
+        exclude = [
+            parse_exclusion(f"{path}:{part.strip()}")
+            for path, take in zip(takes, rows, strict=True)
+            for part in take.leave_out.split(",")
+            if part.strip()
+        ]
         tags = tuple(tag.strip() for tag in footwork.database_tags.split(",") if tag.strip())
-        return _build(takes, settings, self._path, tags)
+        return _build(takes, settings, self._path, tags, exclude)
 
     def finish(self, context, result):
         database, doubts = result
@@ -79,7 +87,7 @@ def database_path(footwork: bpy.types.PropertyGroup, override: str = "") -> Path
     return Path(files.beside_blend(f"{stem}_database.npz"))
 
 
-def _build(paths, settings, target, tags):
+def _build(paths, settings, target, tags, exclude):
     if not target.parent.is_dir():
         raise InputError(f"{target.parent}: no such folder; choose another file under Save As")
     takes, doubts = [], []
@@ -88,7 +96,7 @@ def _build(paths, settings, target, tags):
         take = load_take(path, settings.fps)
         takes.append(take)
         doubts.extend(f"{take.name}: {doubt}" for doubt in take.doubts)
-    job = build_database(takes, settings, name=target.stem, tags=tags)
+    job = build_database(takes, settings, name=target.stem, tags=tags, exclude=exclude)
     database = yield from part(job, 0.5, 1.0)
     return database, doubts
 

@@ -40,7 +40,7 @@ class FOOTWORK_PT_databases(Part, bpy.types.Panel):
         header, body = layout.panel("FOOTWORK_database_found", default_closed=True)
         header.label(text="In This Database")
         if body:
-            text.facts(body, database.found)
+            text.facts(context, body, database.found)
 
 
 CLASSES = (FOOTWORK_PT_databases,)

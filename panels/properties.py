@@ -39,7 +39,7 @@ def file_path(label: str, text: str, **options: object):
     )
 
 
-class FOOTWORK_PG_file(bpy.types.PropertyGroup):
+class Row:
     """A file in a list, and what was found in it."""
 
     path: file_path("File", "The file")
@@ -50,15 +50,18 @@ class FOOTWORK_PG_file(bpy.types.PropertyGroup):
     doubts: StringProperty(name="Doubts", description="What should be looked at, a line each")
 
 
-class FOOTWORK_PG_database(bpy.types.PropertyGroup):
+class FOOTWORK_PG_take(Row, bpy.types.PropertyGroup):
+    """A take in the list."""
+
+    leave_out: StringProperty(
+        name="Leave Out",
+        description='Seconds that stay out of the database, such as "0-1.5, 30-32"; "90-" is up to the end',
+    )
+
+
+class FOOTWORK_PG_database(Row, bpy.types.PropertyGroup):
     """A motion database in the list."""
 
-    path: file_path("File", "The motion database")
-    use: BoolProperty(name="Use", description="Use this database in the bake", default=True)
-    state: EnumProperty(name="State", description="What reading it gave", items=STATES)
-    seconds: FloatProperty(name="Length", description="Length in seconds", unit="TIME_ABSOLUTE")
-    found: StringProperty(name="Found", description="What the database holds, a line each")
-    doubts: StringProperty(name="Doubts", description="What should be looked at, a line each")
     height_low: FloatProperty(
         name="From",
         description="Used from this headset height on, as a share of the standing eye height",
@@ -115,7 +118,7 @@ def tracker(label: str):
 class FOOTWORK_PG_scene(bpy.types.PropertyGroup):
     """Everything that the Footwork panels show of a scene."""
 
-    takes: CollectionProperty(type=FOOTWORK_PG_file, name="Takes", description="Motion-capture files")
+    takes: CollectionProperty(type=FOOTWORK_PG_take, name="Takes", description="Motion-capture files")
     take_index: IntProperty(name="Active Take", description="The take that is shown below the list")
     database_settings: PointerProperty(type=FOOTWORK_PG_database_settings)
     database_path: file_path(
@@ -260,7 +263,7 @@ CLASSES = (
     FOOTWORK_PG_database_settings,
     FOOTWORK_PG_train_settings,
     FOOTWORK_PG_bake_settings,
-    FOOTWORK_PG_file,
+    FOOTWORK_PG_take,
     FOOTWORK_PG_database,
     FOOTWORK_PG_figure,
     FOOTWORK_PG_scene,

@@ -39,7 +39,7 @@ class FOOTWORK_PT_recording(Part, bpy.types.Panel):
         header, body = layout.panel("FOOTWORK_recording_found", default_closed=True)
         header.label(text="In This Recording")
         if body:
-            text.facts(body, footwork.recording_found)
+            text.facts(context, body, footwork.recording_found)
         text.notes(
             context,
             layout,

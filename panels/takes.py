@@ -51,7 +51,8 @@ class FOOTWORK_PT_takes(Part, bpy.types.Panel):
         found, body = layout.panel("FOOTWORK_take_found", default_closed=True)
         found.label(text="In This Take")
         if body:
-            text.facts(body, take.found)
+            text.facts(context, body, take.found)
+            body.prop(take, "leave_out", placeholder="seconds, such as 0-1.5, 30-32")
         text.notes(context, layout, take.doubts, "CANCEL" if take.state == "FAULT" else "ERROR")
 
         settings = footwork.database_settings

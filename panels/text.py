@@ -5,17 +5,19 @@ import textwrap
 import bpy
 
 
-def facts(layout: bpy.types.UILayout, found: str) -> None:
-    """Lines of "name<tab>value" as two columns."""
+def facts(context: bpy.types.Context, layout: bpy.types.UILayout, found: str) -> None:
+    """Lines of "name<tab>value" as two columns, the second wrapped."""
+    width = max(int(0.68 * width_of(context)), 12)
     column = layout.column(align=True)
     column.scale_y = 0.8
     for line in found.splitlines():
         name, _, value = line.partition("\t")
-        split = column.split(factor=0.35)
-        left = split.row()
-        left.active = False
-        left.label(text=name.capitalize())
-        split.label(text=value)
+        for number, part in enumerate(textwrap.wrap(value, width) or [""]):
+            split = column.split(factor=0.35)
+            left = split.row()
+            left.active = False
+            left.label(text="" if number else name.capitalize())
+            split.label(text=part)
 
 
 def notes(context: bpy.types.Context, layout: bpy.types.UILayout, text: str, icon: str = "ERROR") -> None:

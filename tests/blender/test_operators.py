@@ -95,6 +95,18 @@ def test_building_writes_a_database_and_lists_it(empty, demo, tmp_path) -> None:
     assert len(scene.footwork.databases) == 1
 
 
+def test_parts_of_a_take_are_left_out(empty, demo, tmp_path) -> None:
+    add_takes(demo, "walk.bvh")
+    bpy.ops.footwork.build_database(filepath=str(tmp_path / "whole.npz"))
+    empty.footwork.takes[0].leave_out = "0-1.5, 8-"
+    bpy.ops.footwork.build_database(filepath=str(tmp_path / "part.npz"))
+    whole, part = load_database(tmp_path / "whole.npz"), load_database(tmp_path / "part.npz")
+    assert len(part) == pytest.approx(6.5 * 60, abs=2) and len(whole) > len(part)
+    empty.footwork.takes[0].leave_out = "two seconds"
+    with pytest.raises(RuntimeError, match="two seconds"):
+        bpy.ops.footwork.build_database(filepath=str(tmp_path / "part.npz"))
+
+
 @pytest.mark.parametrize("source", ["FILE", "OBJECTS"])
 def test_a_bake_without_a_rig_makes_one(empty, ready, source: str) -> None:
     if source == "OBJECTS":
