@@ -23,7 +23,7 @@ UP = np.array([0.0, 0.0, 1.0])
 FORWARD = np.array([0.0, 1.0, 0.0])
 RIGHT = np.array([1.0, 0.0, 0.0])
 
-NEAR = np.radians(60.0)
+NEAR = float(np.radians(60.0))
 """A bone farther than this from where it points in T-pose is not in T- or A-pose."""
 _BEND = np.radians(8.0)
 """A typical bend of elbow or knee below this does not tell the hinge's direction."""
@@ -42,8 +42,14 @@ _CUBE = quat.from_matrix(
 """The 24 rotations of a cube."""
 _LEAN = np.radians(25.0)
 """A spine that slopes more than this in T-pose is not believed."""
-_HINGES = {"upper_arm": ("forearm", FORWARD), "thigh": ("shin", -FORWARD)}
-"""Upper bone: the joint that bends, and where the bone after it goes when it bends in T-pose."""
+_FREE = 1.3
+"""Radians that heads and hands may be turned on average without their zero being at fault."""
+_HINGES = {"upper_arm": "forearm", "thigh": "shin"}
+"""Upper bones and the joints that bend at their end: elbows forward, knees backward."""
+_STRAIGHT = ("upper_arm", "forearm", "thigh", "shin")
+"""Bones that lie along an axis in T-pose; others keep their slope."""
+_AGREES: dict[str, float] = {"shin": 0.4, "thigh": 0.4, **dict.fromkeys((*SPINE, "neck", "clavicle"), 0.7)}
+"""Radians that the rest pose may differ from the typical one for joints of little freedom; `NEAR` for others."""
 
 
 def tpose_rotations(
@@ -124,8 +130,9 @@ class _Body:
     positions: Array
     typical: Array | None
     out: Array
-    doubtful: set[int]
-    """Joints whose rest pose is far from T-pose."""
+    index: dict[str, int]
+    seen: Array | None
+    """`typical` where the rest pose is no T-pose and tells little; None where it is trusted."""
 
     def __init__(
         self,
@@ -137,8 +144,9 @@ class _Body:
     ) -> None:
         self.parents, self.roles, self.rest = parents, roles, rest
         self.positions, self.typical = positions, typical
+        self.index = {role: j for j, role in enumerate(roles) if role}
+        self.seen = None if looks_like_tpose(roles, positions, NEAR) else typical
         self.out = np.array(rest, dtype=np.float64)
-        self.doubtful = set()
         self.out[0] = self._hips()
 
     def place(self, j: int) -> None:
@@ -147,44 +155,27 @@ class _Body:
         candidate = self._on_parent(j, self.rest)
         goal, bone = direction(self.roles[j]), self._bone(j)
         if goal is None or bone is None:
-            self.out[j] = self._without_bone(j, part, candidate)
+            self.out[j] = candidate if self.seen is None else self._unboned(j, part, candidate, self.seen)
             return
-        if self.typical is not None and self._is_far(j, part, _angle(quat.rotate(candidate, bone), goal)):
-            self.doubtful.add(j)
-            candidate = self._snapped(j, self.typical)
         if part == "foot":
-            candidate = _facing_forward(self._level(j, candidate), bone)
-        elif part not in (*SPINE, "neck", "clavicle") or j in self.doubtful:
-            candidate = quat.multiply(quat.between(quat.rotate(candidate, bone), goal), candidate)
-        if part in _HINGES and self.doubtful & {j, int(self.parents[j])}:
-            candidate = self._hinged(j, candidate, goal, part, side)
+            self.out[j] = _facing_forward(self._level(j, candidate), bone)
+            return
+        trusted = self.seen is None or self._agrees(j, part, candidate, bone, goal, self.seen)
+        if not trusted and self.seen is not None:
+            candidate = self._snapped(j, self.seen)
+        if not trusted or part in _STRAIGHT:
+            candidate = _swung(candidate, bone, goal)
+        if part in _HINGES and self.seen is not None:
+            candidate = self._hinged(j, candidate, goal, f"{_HINGES[part]}.{side}", self.seen)
         self.out[j] = candidate
 
-    def _snapped(self, j: int, pose: Array) -> Array:
-        """As `_on_parent`, by the right angles that joint axes differ by: takes of one skeleton agree."""
-        p = int(self.parents[j])
-        rest = _relative(self.rest, p, j)
-        turn = quat.multiply(quat.conjugate(rest), _relative(pose, p, j))
-        near = _CUBE[np.argmax(np.abs(_CUBE @ turn))]
-        return quat.multiply(self.out[p], quat.multiply(rest, near if _turn(near, turn) < _SNAP else turn))
-
-    def _level(self, j: int, candidate: Array) -> Array:
-        """A foot with its sole level: as planted in the data, carried by the shin, or as in the rest pose."""
-        flat = quat.multiply(self.out[0], _relative(self.rest, 0, j))
-        if self.typical is None:
-            return flat
-        planted = self.typical[j]
-        if j in self.doubtful:
-            return planted
-        return candidate if _turn(candidate, planted) < _turn(flat, planted) else flat
-
     def straighten(self) -> None:
-        """Put the neck of a spine that no rest pose shows upright over the hips, by the same turn of all its joints.
+        """Put the neck of a spine that no rest pose shows upright over the hips, by one turn of all its joints.
 
         So takes of one skeleton agree, and a back that is bent in the data stays bent.
         """
         turning = [j for j, role in enumerate(self.roles) if role in (*SPINE, "neck")]
-        if self.typical is None or 0 not in self.doubtful or not turning:
+        if self.seen is None or not turning:
             return
         first, last = turning[0], turning[-1]
         root, trunk = self._between(0, first), self._between(first, last)
@@ -208,66 +199,82 @@ class _Body:
         p = int(self.parents[j])
         return quat.multiply(self.out[p], _relative(pose, p, j))
 
-    def _without_bone(self, j: int, part: str, candidate: Array) -> Array:
-        """Head, hands, toes and joints without a role: the rest pose, unless the data belies it."""
-        if self.typical is None:
-            return candidate
-        if part == "toe":
-            # flat as the foot is
-            return self._on_parent(j, self.typical) if int(self.parents[j]) in self.doubtful else candidate
-        far = self.doubtful and _turn(self._on_parent(j, self.typical), candidate) > NEAR
-        return self._snapped(j, self.typical) if far else candidate
+    def _agrees(self, j: int, part: str, candidate: Array, bone: Array, goal: Array, pose: Array) -> bool:
+        """Whether the rest pose of one joint is nevertheless what the data shows, but for bends of limbs."""
+        if _angle(quat.rotate(candidate, bone), goal) > NEAR:
+            return False
+        other = self._on_parent(j, pose)
+        if part in _STRAIGHT:
+            candidate, other = _swung(candidate, bone, goal), _swung(other, bone, goal)
+        return _turn(candidate, other) < _AGREES.get(part, float(NEAR))
 
-    def _is_far(self, j: int, part: str, angle: float) -> bool:
-        """Whether the rest pose tells nothing: the bone points elsewhere, or is twisted as it never is."""
-        if angle > NEAR or self.typical is None or part not in (*SPINE, "neck", "clavicle"):
-            return angle > NEAR
-        turn = quat.multiply(self._on_parent(j, self.typical), quat.conjugate(self._on_parent(j, self.rest)))
-        # backs bend, but do not twist by as much; collar bones do neither
-        across = quat.rotate(turn, FORWARD if part == "clavicle" else RIGHT) * (1.0, 1.0, 0.0)
-        return _angle(across, FORWARD if part == "clavicle" else RIGHT) > NEAR
+    def _snapped(self, j: int, pose: Array) -> Array:
+        """As `_on_parent`, by the right angles that joint axes differ by: takes of one skeleton agree."""
+        p = int(self.parents[j])
+        rest = _relative(self.rest, p, j)
+        turn = quat.multiply(quat.conjugate(rest), _relative(pose, p, j))
+        near = _CUBE[np.argmax(np.abs(_CUBE @ turn))]
+        return quat.multiply(self.out[p], quat.multiply(rest, near if _turn(near, turn) < _SNAP else turn))
+
+    def _level(self, j: int, candidate: Array) -> Array:
+        """A foot with its sole level: as planted in the data, carried by the shin, or as in the rest pose."""
+        if self.seen is not None:
+            return self.seen[j]
+        flat = quat.multiply(self.out[0], _relative(self.rest, 0, j))
+        if self.typical is None:
+            return flat
+        planted = self.typical[j]
+        return candidate if _turn(candidate, planted) < _turn(flat, planted) else flat
+
+    def _unboned(self, j: int, part: str, candidate: Array, pose: Array) -> Array:
+        """Head, hands, toes and joints without a role: the rest pose, unless the data belies it."""
+        other = self._on_parent(j, pose)
+        if part == "toe":
+            return other
+        return candidate if _turn(other, candidate) < _FREE else self._snapped(j, pose)
 
     def _hips(self) -> Array:
         """Facing +Y, thighs side by side; level as in the rest pose if that stands, else as in the data."""
-        left, right = (self.positions[self.roles.index(f"thigh.{side}")] for side in SIDES)
         inverse = quat.conjugate(self.rest[0])
-        across = quat.rotate(inverse, right - left)
-        if _angle(self._torso(), UP) < NEAR:
-            return _frame(across, quat.rotate(inverse, UP))
-        up = quat.rotate(inverse, self._torso())
-        if self.typical is not None:
-            self.doubtful.add(0)
-            seen = quat.rotate(quat.conjugate(self.typical[0]), UP)
-            up = up if _angle(up, seen) < _SNAP else seen
-        return _frame(across, up)
+        across = quat.rotate(inverse, self._place("thigh.R") - self._place("thigh.L"))
+        if self.seen is not None:
+            up = quat.rotate(quat.conjugate(self.seen[0]), UP)
+            straight = self._straight_spine()
+            if straight is not None and _angle(quat.rotate(inverse, straight), up) < _SNAP:
+                up = quat.rotate(inverse, straight)
+            return _frame(across, up)
+        torso = self._place("head") - self.positions[0]
+        return _frame(across, quat.rotate(inverse, UP if _angle(torso, UP) < NEAR else torso))
 
-    def _torso(self) -> Array:
-        """Which way the trunk points in the rest pose: from its first joint to the neck or head."""
-        first = self._next(0)
-        end = self.roles.index("neck" if "neck" in self.roles else "head")
-        return self.positions[end] - self.positions[first if first != end else 0]
+    def _straight_spine(self) -> Array | None:
+        """Which way a spine that is straight in the rest pose points there; None for a bent one."""
+        chain = [self.index[role] for role in (*SPINE, "neck", "head") if role in self.index]
+        bones = np.diff(self.positions[chain], axis=0)
+        whole = bones.sum(axis=0)
+        return whole if len(bones) and all(_angle(bone, whole) < _SNAP for bone in bones) else None
 
-    def _next(self, j: int) -> int:
-        """The joint at the end of this one's bone; the joint itself where nothing follows."""
-        following = (role for role in next_roles(self.roles[j]) if role in self.roles)
-        return next((self.roles.index(role) for role in following), j)
+    def _place(self, role: str) -> Array:
+        return self.positions[self.index[role]]
 
     def _bone(self, j: int) -> Array | None:
         """From a joint to the next one, in the joint's own axes; None where nothing follows."""
-        bone = self.positions[self._next(j)] - self.positions[j]
+        following = next((role for role in next_roles(self.roles[j]) if role in self.index), None)
+        if following is None:
+            return None
+        bone = self._place(following) - self.positions[j]
         return quat.rotate(quat.conjugate(self.rest[j]), bone) if np.linalg.norm(bone) > 1e-9 else None
 
-    def _hinged(self, j: int, candidate: Array, axis: Array, part: str, side: str) -> Array:
+    def _hinged(self, j: int, candidate: Array, axis: Array, lower: str, pose: Array) -> Array:
         """Turned about its bone so that the elbow's or knee's typical bend goes where joints bend."""
-        lower, goal = _HINGES[part]
-        below = self.roles.index(f"{lower}.{side}")
+        below = self.index[lower]
         bone = self._bone(below)
-        if bone is None or self.typical is None:
+        if bone is None:
             return candidate
-        bent = quat.rotate(quat.multiply(candidate, _relative(self.typical, j, below)), bone)
+        bent = quat.rotate(quat.multiply(candidate, _relative(pose, j, below)), bone)
         bend = bent - axis * (bent @ axis)
         if np.linalg.norm(bend) < np.sin(_BEND) * np.linalg.norm(bone):
             return candidate
+        goal = FORWARD if lower.startswith("forearm") else -FORWARD
         return quat.multiply(quat.between(bend, goal), candidate)
 
 
@@ -283,6 +290,11 @@ def _angle(a: Array, b: Array) -> float:
 def _turn(a: Array, b: Array) -> float:
     """Radians between two rotations."""
     return float(np.linalg.norm(quat.to_rotation_vector(quat.multiply(a, quat.conjugate(b)))))
+
+
+def _swung(rotation: Array, bone: Array, goal: Array) -> Array:
+    """A joint's rotation, turned the shortest way so that its bone points to the goal."""
+    return quat.multiply(quat.between(quat.rotate(rotation, bone), goal), rotation)
 
 
 def _frame(right: Array, up: Array) -> Array:
