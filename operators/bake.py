@@ -15,6 +15,7 @@ from ..core import pipeline
 from ..core.database.sidecar import load_database
 from ..core.errors import InputError
 from ..core.jobs import part
+from ..core.recording.cut import cut
 from ..core.recording.read import read_recording
 from ..core.recording.recording import Recording
 from ..core.rig.rig import Rig
@@ -22,7 +23,7 @@ from ..core.settings import BakeSettings
 from ..nn import predictor
 from . import figures, files
 from .job_operator import JobOperator
-from .recording import calibrated
+from .recording import calibrated, wanted_part
 
 REPORT = "Footwork Report"
 """Text data-block that holds the last bake's report as JSON."""
@@ -35,6 +36,8 @@ class Source:
     recording: Recording | str
     """Sampled scene objects, or a file still to be read."""
     eye_height: float | None
+    part: tuple[float, float]
+    """Start and stop in seconds of a file's part."""
     databases: tuple[tuple[str, tuple[float, float]], ...]
     """Path and height range of each."""
     predictor: str
@@ -132,6 +135,7 @@ def read_source(scene: bpy.types.Scene) -> Source:
     return Source(
         recording=recording,
         eye_height=calibrated(footwork),
+        part=wanted_part(footwork),
         databases=tuple(
             (bpy.path.abspath(row.path), (files.typed(row.height_low), files.typed(row.height_high)))
             for row in footwork.databases
@@ -148,7 +152,7 @@ def _bake(source: Source):
     yield 0.0, "Reading the recording"
     recording = source.recording
     if isinstance(recording, str):
-        recording = read_recording(recording, source.eye_height)
+        recording = cut(read_recording(recording, source.eye_height), *source.part)
     databases = []
     for path, height_range in source.databases:
         yield 0.02, f"Reading {Path(path).name}"

@@ -1,5 +1,6 @@
 """The recording: choose and read a file, show it in the scene, make one from a take."""
 
+import math
 from pathlib import Path
 
 import bpy
@@ -11,6 +12,7 @@ from ..bridge.objects import show_recording
 from ..core.errors import InputError
 from ..core.mocap.takes import load_take
 from ..core.recording.csv_format import write_csv
+from ..core.recording.cut import cut
 from ..core.recording.read import read_recording
 from ..core.recording.simulate import simulate_recording
 from . import files
@@ -19,6 +21,11 @@ from . import files
 def calibrated(footwork) -> float | None:
     """The eye height in metres that was set by hand, if it was."""
     return files.typed(footwork.eye_height) if footwork.use_eye_height else None
+
+
+def wanted_part(footwork) -> tuple[float, float]:
+    """Start and stop in seconds of the part that shall be baked."""
+    return files.typed(footwork.recording_from), files.typed(footwork.recording_to) or math.inf
 
 
 class FOOTWORK_OT_load_recording(bpy.types.Operator, ImportHelper):
@@ -87,6 +94,7 @@ class FOOTWORK_OT_show_recording(bpy.types.Operator):
         footwork = scene.footwork
         try:
             recording = read_recording(bpy.path.abspath(footwork.recording_path), calibrated(footwork))
+            recording = cut(recording, *wanted_part(footwork))
             empties = show_recording(recording, scene, footwork.frame_start)
         except InputError as error:
             self.report({"ERROR"}, str(error))

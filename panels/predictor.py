@@ -22,7 +22,7 @@ class FOOTWORK_PT_predictor(Part, bpy.types.Panel):
         layout, footwork = self.layout, context.scene.footwork
         layout.use_property_split = True
         layout.use_property_decorate = False
-        layout.prop(footwork, "predictor")
+        layout.prop(footwork, "predictor", text="Source")
         if footwork.predictor == "FILE":
             layout.prop(footwork, "predictor_path", text="File")
         header, body = layout.panel("FOOTWORK_training", default_closed=True)

@@ -164,6 +164,20 @@ class FOOTWORK_PG_scene(bpy.types.PropertyGroup):
     recording_state: EnumProperty(name="State", description="What reading it gave", items=STATES)
     recording_found: StringProperty(name="Found", description="What was found in the recording, a line each")
     recording_doubts: StringProperty(name="Doubts", description="What should be looked at, a line each")
+    recording_from: FloatProperty(
+        name="From",
+        description="Bake the recording from this time on",
+        unit="TIME_ABSOLUTE",
+        min=0.0,
+        step=10,
+    )
+    recording_to: FloatProperty(
+        name="To",
+        description="Bake the recording up to this time; 0 for its end",
+        unit="TIME_ABSOLUTE",
+        min=0.0,
+        step=10,
+    )
     use_eye_height: BoolProperty(
         name="Eye Height",
         description="Give the eye height by hand instead of finding it in the recording",

@@ -36,6 +36,9 @@ class FOOTWORK_PT_recording(Part, bpy.types.Panel):
         row.prop(footwork, "recording_path", text="")
         row.operator("footwork.inspect_recording", text="", icon="FILE_REFRESH")
         _eye_height(column, footwork)
+        part = column.row(align=True)
+        part.prop(footwork, "recording_from", text="Part")
+        part.prop(footwork, "recording_to", text="")
         header, body = layout.panel("FOOTWORK_recording_found", default_closed=True)
         header.label(text="In This Recording")
         if body:

@@ -7,7 +7,7 @@ import bpy
 
 def facts(context: bpy.types.Context, layout: bpy.types.UILayout, found: str) -> None:
     """Lines of "name<tab>value" as two columns, the second wrapped."""
-    width = max(int(0.68 * width_of(context)), 12)
+    width = max(int(0.78 * width_of(context)), 12)
     column = layout.column(align=True)
     column.scale_y = 0.8
     for line in found.splitlines():

@@ -151,6 +151,15 @@ def test_options_of_the_output(empty, ready) -> None:
     )
 
 
+def test_a_part_of_the_recording_is_baked(empty, ready) -> None:
+    ready.recording_from, ready.recording_to = 2.0, 5.0
+    bpy.ops.footwork.bake()
+    assert empty.frame_end == 181
+    ready.recording_from = 900.0
+    with pytest.raises(RuntimeError, match="choose a longer part"):
+        bpy.ops.footwork.bake()
+
+
 def test_bakes_are_the_same_twice(empty, ready) -> None:
     bpy.ops.footwork.bake()
     values = []

@@ -1,0 +1,37 @@
+"""A stretch of a recording: people put headsets on and off."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..errors import InputError
+from .recording import Recording
+
+
+def cut(recording: Recording, start: float, stop: float) -> Recording:
+    """The samples from `start` to `stop` seconds, both included, with times from 0 again.
+
+    Args:
+        recording: at any rate.
+        start: seconds; before the first sample means from there.
+        stop: seconds; past the last sample, or infinite, means up to there.
+
+    Raises:
+        InputError: fewer than two samples lie between them.
+    """
+    kept = (recording.times >= start - 1e-9) & (recording.times <= stop + 1e-9)
+    if np.count_nonzero(kept) < 2:
+        raise InputError(
+            f"{recording.name}: nothing is left between {start:g} and {stop:g} s of its {recording.times[-1]:.1f} s;"
+            " choose a longer part"
+        )
+    times = recording.times[kept]
+    return replace(
+        recording,
+        times=times - times[0],
+        positions=recording.positions[kept],
+        rotations=recording.rotations[kept],
+        valid=recording.valid[kept],
+    )
