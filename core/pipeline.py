@@ -14,6 +14,7 @@ from .database.motion_database import MotionDatabase
 from .errors import InputError
 from .evaluation.metrics import bake_metrics
 from .jobs import Job, part
+from .matching.body_target import body_targets
 from .matching.inertialization import assemble
 from .matching.playback import Playback, match
 from .matching.trajectory import make_trajectory
@@ -93,8 +94,11 @@ def bake(
     to_rig = _fitting_scale(recording, fit.skeleton, ease) if settings.scale_to_rig else 1.0
     # alpha is metres on the rig: the search works on the database's own body size
     sized = replace(settings, alpha=settings.alpha * to_database / to_rig)
-    heads = joint_targets(scale(recording, to_database))[0][:, 0, :2]
-    trajectory = make_trajectory(heads, yaws, fps, sized)
+    positions, rotations = joint_targets(scale(recording, to_database))
+    targets = positions[:, 0, :2]
+    if settings.target == "body":
+        targets = body_targets(positions[:, 0], rotations[:, 0], yaws, databases)
+    trajectory = make_trajectory(targets, yaws, fps, sized)
     heights = recording.positions[:, 0, 2] / recording.eye_height
     playback = yield from part(match(trajectory, heights, databases, sized), 0.05, 0.6)
     clock.lap("search")

@@ -116,6 +116,15 @@ class BakeSettings:
             "look-ahead": "Read the recorded future",
         },
     )
+    target: str = setting(
+        "body",
+        "Target",
+        "Which point of the user the avatar's root follows, within alpha",
+        choices={
+            "body": "The body under the head, which leans as the databases' people do",
+            "head": "The centre of the head, as in the paper",
+        },
+    )
     smoothing: str = setting(
         "spring",
         "Smoothing",

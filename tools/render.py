@@ -11,7 +11,7 @@ import numpy as np
 from mathutils import Vector
 
 WIDTH, HEIGHT = 480, 360
-FILM_FPS = 20
+FILM_FPS = 15
 
 
 def stage(scene: bpy.types.Scene) -> bpy.types.Object:
@@ -34,7 +34,8 @@ def stage(scene: bpy.types.Scene) -> bpy.types.Object:
         True,
         True,
     )
-    shading.background_type, shading.background_color = "VIEWPORT", (0.55, 0.58, 0.62)
+    scene.world = scene.world or bpy.data.worlds.new("World")
+    scene.world.color = (0.35, 0.38, 0.42)
     return camera
 
 
@@ -57,7 +58,7 @@ def contact_sheet(
     bpy.data.images.remove(image)
 
 
-def film(scene: bpy.types.Scene, camera: bpy.types.Object, target: Path, seconds: float = 20.0) -> None:
+def film(scene: bpy.types.Scene, camera: bpy.types.Object, target: Path, seconds: float = 14.0) -> None:
     """An H.264 film of the scene from its start, `seconds` long at most."""
     rate = scene.render.fps / scene.render.fps_base
     step = max(1, round(rate / FILM_FPS))
