@@ -1,9 +1,13 @@
 """Blender operators, one module a job."""
 
+from pathlib import Path
+
 import bpy
 
-from . import bake, databases, figures, job_operator, predictor, recording, rig, takes
+from . import bake, databases, figures, job_operator, predictor, presets, recording, rig, takes
 
+SHIPPED_PRESETS = str(Path(__file__).parents[1])
+"""Folder whose `presets` Blender looks through too."""
 CLASSES = (
     job_operator.FOOTWORK_OT_cancel_job,
     *takes.CLASSES,
@@ -13,6 +17,7 @@ CLASSES = (
     *rig.CLASSES,
     *bake.CLASSES,
     *figures.CLASSES,
+    *presets.CLASSES,
 )
 
 
@@ -20,9 +25,11 @@ def register() -> None:
     """Add the operators and file handlers to Blender."""
     for cls in CLASSES:
         bpy.utils.register_class(cls)
+    bpy.utils.register_preset_path(SHIPPED_PRESETS)
 
 
 def unregister() -> None:
     """Take them away again."""
+    bpy.utils.unregister_preset_path(SHIPPED_PRESETS)
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

@@ -1,7 +1,9 @@
 """6: the recording becomes an action of the rig."""
 
 import bpy
+from bl_ui.utils import PresetPanel
 
+from ..operators.presets import FOLDER
 from .parts import Part, job_button, settings_column
 
 MAIN_BAKE_SETTINGS = ("trajectory", "search", "alpha", "beta")
@@ -10,11 +12,24 @@ CAUSAL_SETTINGS = ("beta", "smoothing")
 FITTING_SETTINGS = ("scale_to_rig", "foot_lock", "head", "arms")
 
 
+class FOOTWORK_PT_bake_presets(PresetPanel, bpy.types.Panel):
+    """Named sets of bake settings"""
+
+    bl_idname = "FOOTWORK_PT_bake_presets"
+    bl_label = "Bake Presets"
+    preset_subdir = FOLDER
+    preset_operator = "script.execute_preset"
+    preset_add_operator = "footwork.add_bake_preset"
+
+
 class FOOTWORK_PT_bake(Part, bpy.types.Panel):
     """The recording becomes an action of the rig"""
 
     bl_idname = "FOOTWORK_PT_bake"
     bl_label = "6  Bake"
+
+    def draw_header_preset(self, context):
+        FOOTWORK_PT_bake_presets.draw_panel_header(self.layout)
 
     def draw(self, context):
         layout, footwork = self.layout, context.scene.footwork
@@ -43,4 +58,4 @@ class FOOTWORK_PT_bake(Part, bpy.types.Panel):
         job_button(layout, "footwork.bake", "ARMATURE_DATA", 1.6)
 
 
-CLASSES = (FOOTWORK_PT_bake,)
+CLASSES = (FOOTWORK_PT_bake_presets, FOOTWORK_PT_bake)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import fields
+from pathlib import Path
 from types import SimpleNamespace
 
 import bpy
@@ -20,7 +21,7 @@ from footwork.panels import lists
 ICONS = {
     item.identifier for item in bpy.types.UILayout.bl_rna.functions["label"].parameters["icon"].enum_items
 }
-PANELS = [cls for cls in panels.CLASSES if issubclass(cls, (bpy.types.Panel, bpy.types.Menu))]
+PANELS = [cls for cls in panels.CLASSES if hasattr(cls, "draw") and "presets" not in cls.bl_idname]
 
 
 class Layout(SimpleNamespace):
@@ -72,6 +73,9 @@ class Layout(SimpleNamespace):
         getattr(active, index)
         for row in getattr(data, collection):
             getattr(bpy.types, kind).draw_item(None, bpy.context, self, data, row, 0, active, index)
+
+    def popover(self, *, panel: str, **_options: object) -> None:
+        assert hasattr(bpy.types, panel)
 
     def progress(self, *, factor: float, text: str) -> None:
         self.texts.append(text)
@@ -178,6 +182,28 @@ def test_properties_are_the_settings(empty, group: str, settings: type) -> None:
         if meta["choices"]:
             assert [choice.identifier for choice in rna.enum_items] == list(meta["choices"])
     check(read_settings(properties, settings))
+
+
+def test_presets_set_every_bake_setting(empty) -> None:
+    settings = empty.footwork.bake
+    found = [Path(folder) for folder in bpy.utils.preset_paths("footwork/bake")]
+    shipped = [path for folder in found for path in sorted(folder.glob("*.py"))]
+    assert len(shipped) >= 3
+    for path in shipped:
+        settings.unlock_distance, settings.alpha = 0.77, 0.77
+        bpy.ops.script.execute_preset(filepath=str(path), menu_idname="FOOTWORK_PT_bake_presets")
+        made = read_settings(settings, BakeSettings)
+        assert made.unlock_distance != 0.77 and made.alpha != 0.77
+
+
+def test_own_presets_are_kept(empty) -> None:
+    settings = empty.footwork.bake
+    settings.alpha = 0.66
+    bpy.ops.footwork.add_bake_preset(name="My Own")
+    folder = Path(bpy.utils.user_resource("SCRIPTS", path="presets/footwork/bake"))
+    settings.alpha = 0.2
+    bpy.ops.script.execute_preset(filepath=str(folder / "My_Own.py"), menu_idname="FOOTWORK_PT_bake_presets")
+    assert settings.alpha == pytest.approx(0.66)
 
 
 def test_numbers_come_back_as_typed(empty) -> None:
