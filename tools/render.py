@@ -105,7 +105,7 @@ def _subject(scene: bpy.types.Scene) -> Vector:
 
 def _aim(camera: bpy.types.Object, subject: Vector) -> None:
     centre = Vector((subject.x, subject.y, 0.85))
-    camera.location = centre + Vector((2.2, -3.2, 0.8))
+    camera.location = centre + Vector((1.9, -2.7, 0.6))
     camera.rotation_euler = (centre - camera.location).to_track_quat("-Z", "Y").to_euler()
 
 
@@ -113,10 +113,9 @@ def _flesh(scene: bpy.types.Scene, armature: bpy.types.Object) -> None:
     """A capsule-like box on every bone, parented to it, so that a bare armature shows in renders."""
     for bone in armature.data.bones:
         half = 0.5 * bone.length
-        width = min(max(0.16 * bone.length, 0.025), 0.07)
-        corners = [
-            (x, y, z) for y in (-0.98 * half, 0.98 * half) for x in (-width, width) for z in (-width, width)
-        ]
+        width, depth = _girth(bone.name)
+        ends = (-0.98 * half, 0.98 * half)
+        corners = [(x, y, z) for y in ends for x in (-width, width) for z in (-depth, depth)]
         faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 2, 6, 4), (1, 5, 7, 3), (0, 4, 5, 1), (2, 3, 7, 6)]
         mesh = bpy.data.meshes.new(bone.name)
         mesh.from_pydata(corners, [], faces)
@@ -125,6 +124,17 @@ def _flesh(scene: bpy.types.Scene, armature: bpy.types.Object) -> None:
         body.parent, body.parent_type, body.parent_bone = armature, "BONE", bone.name
         body.location = (0.0, -half, 0.0)
         body.color = _colour(bone.name)
+
+
+def _girth(name: str) -> tuple[float, float]:
+    """Half the width and depth of a body part, metres."""
+    lowered = name.lower()
+    sizes = {"collar": (0.03, 0.03), "wrist": (0.045, 0.02), "hand": (0.045, 0.02), "toe": (0.045, 0.02)}
+    sizes |= {"ankle": (0.045, 0.025), "foot": (0.045, 0.025), "hip": (0.07, 0.07), "knee": (0.05, 0.05)}
+    sizes |= {"left": (0.04, 0.04), "right": (0.04, 0.04), "head": (0.075, 0.09), "neck": (0.045, 0.045)}
+    if lowered == "hips":
+        return 0.14, 0.09
+    return next((size for part, size in sizes.items() if part in lowered), (0.13, 0.08))
 
 
 def _colour(name: str) -> tuple[float, float, float, float]:
