@@ -42,8 +42,6 @@ _CUBE = quat.from_matrix(
 """The 24 rotations of a cube."""
 _LEAN = np.radians(25.0)
 """A spine that slopes more than this in T-pose is not believed."""
-_FREE = 1.3
-"""Radians that heads and hands may be turned on average without their zero being at fault."""
 _HINGES = {"upper_arm": "forearm", "thigh": "shin"}
 """Upper bones and the joints that bend at their end: elbows forward, knees backward."""
 _STRAIGHT = ("upper_arm", "forearm", "thigh", "shin")
@@ -231,7 +229,7 @@ class _Body:
         other = self._on_parent(j, pose)
         if part == "toe":
             return other
-        return candidate if _turn(other, candidate) < _FREE else self._snapped(j, pose)
+        return candidate if _turn(other, candidate) < NEAR else self._snapped(j, pose)
 
     def _hips(self) -> Array:
         """Facing +Y, thighs side by side; level as in the rest pose if that stands, else as in the data."""
