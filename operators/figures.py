@@ -4,7 +4,7 @@ import bpy
 from bpy.props import IntProperty
 
 FIGURES = (
-    ("root_error_cm", "Body to user", "cm", 10.0, "Distance of the avatar's root from the user's body"),
+    ("root_error_cm", "Body to user", "cm", 15.0, "Distance of the avatar's root from the user's body"),
     (
         "yaw_error_deg",
         "Body direction",

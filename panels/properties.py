@@ -170,6 +170,7 @@ class FOOTWORK_PG_scene(bpy.types.PropertyGroup):
         unit="TIME_ABSOLUTE",
         min=0.0,
         step=10,
+        precision=4,
     )
     recording_to: FloatProperty(
         name="To",
@@ -177,6 +178,7 @@ class FOOTWORK_PG_scene(bpy.types.PropertyGroup):
         unit="TIME_ABSOLUTE",
         min=0.0,
         step=10,
+        precision=4,
     )
     use_eye_height: BoolProperty(
         name="Eye Height",
