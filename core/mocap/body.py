@@ -142,7 +142,12 @@ def find_unit(body: Body) -> tuple[str, float]:
     for side in SIDES:
         length += 0.5 * _path(body, body.joint(f"foot.{side}"), body.joint(f"thigh.{side}"))
     length += _path(body, body.joint("head"), 0)
-    name = min(UNITS, key=lambda unit: abs(np.log(max(length, 1e-9) * UNITS[unit] / _BODY_LENGTH)))
+
+    def unlikely(unit: str) -> float:
+        ratio = float(np.log(max(length, 1e-9) * UNITS[unit] / _BODY_LENGTH))
+        return 2.0 * ratio if ratio > 0.0 else -ratio  # there are children, but no giants
+
+    name = min(UNITS, key=unlikely)
     return name, length * UNITS[name]
 
 

@@ -17,6 +17,8 @@ _SLOW = 0.25
 """m/s: a foot slower than this stands."""
 _LAYER = 0.04
 """Metres: standing heights within this of the lowest ones are the floor, others are steps and boxes."""
+SOLE = 0.01
+"""Metres that the lowest joint of a standing foot is above a floor that had to be moved."""
 _BELOW, _ABOVE = -0.025, 0.05
 """Metres: joints of a standing foot are not under the floor, nor farther above it than a sole is thick."""
 

@@ -16,7 +16,7 @@ from . import checks
 from .body import UNITS, Body, find_unit, find_up, reduce_to_body, with_toes
 from .bvh import BvhFile, read_bvh
 from .edit import resample
-from .floor import floor_height, is_floor, standing_height
+from .floor import SOLE, floor_height, is_floor, standing_height
 from .roles import match_roles
 from .skeleton import Motion, Skeleton, Take
 from .tpose import FORWARD, NEAR, looks_like_tpose, tpose_rotations
@@ -80,7 +80,7 @@ def frame_rate(frame_time: float) -> float:
     for rate in (whole, broadcast):
         if abs(1.0 / rate - frame_time) <= slack:
             return rate
-    return whole if abs(whole * frame_time - 1.0) < 0.003 else 1.0 / frame_time
+    return whole if abs(whole * frame_time - 1.0) < 1e-4 else 1.0 / frame_time
 
 
 def to_motion(body: Body, tpose: Array, fps: float) -> Motion:
@@ -182,12 +182,13 @@ def _on_floor(motion: Motion, notes: _Notes) -> Motion:
     """The motion with its floor at Z = 0, and the T-pose standing as high above it as the feet do."""
     height = floor_height(motion)
     kept = is_floor(height)
-    what = "kept" if kept else f"moved {'up' if height < 0 else 'down'} to 0"
-    notes.found["floor"] = f"feet stand at {100 * height:.1f} cm, {what}"
+    stand = height if kept else SOLE
+    what = "kept" if kept else f"moved {'up' if height < 0 else 'down'} to {100 * SOLE:.0f} cm"
+    notes.found["floor"] = f"joints of standing feet are at {100 * height:.1f} cm, {what}"
     skeleton = motion.skeleton
     offsets = skeleton.offsets.copy()
-    offsets[0, 2] = (height if kept else 0.0) - standing_height(skeleton)
-    positions = motion.positions if kept else motion.positions - (0.0, 0.0, height)
+    offsets[0, 2] = stand - standing_height(skeleton)
+    positions = motion.positions if kept else motion.positions - (0.0, 0.0, height - stand)
     return replace(motion, skeleton=replace(skeleton, offsets=offsets), positions=positions)
 
 
