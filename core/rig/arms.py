@@ -21,11 +21,8 @@ from .vectors import across, cross, dot, norm, plane, unit
 
 Array = NDArray[np.floating[Any]]
 
-_HELP_FROM = 0.88
-"""Share of the arm's length from which the clavicle helps."""
-_HELP_SOFT = 0.04
-"""Metres over which its help sets in."""
 _HELP_MOST = np.radians(30.0)
+"""Greatest turn of a clavicle."""
 _SLACK = 0.9e-3
 """Metres by which an arm stays short of straight: an elbow that locks snaps."""
 _ELBOW = np.array([0.4, -0.4, -0.85])
@@ -90,7 +87,7 @@ def _reach(
     shoulder = limb[:, 0]
     clavicle = skeleton.find(f"clavicle.{SIDES[side]}")
     if clavicle >= 0:
-        turn = _clavicle_help(places[clavicle], shoulder, target, longest)
+        turn = _clavicle_help(places[clavicle], shoulder, target, longest - _SLACK)
         wanted[clavicle] = quat.multiply(turn, turns[clavicle])
         shoulder = places[clavicle] + quat.rotate(turn, shoulder - places[clavicle])
 
@@ -122,15 +119,21 @@ def _through_gaps(
 
 def _clavicle_help(clavicle: Array, shoulder: Array, target: Array, length: Array) -> Array:
     """Turn of the clavicle `(T, 4)` that brings the shoulder nearer to a target at the end of the arm's
-    reach."""
-    arm, way = shoulder - clavicle, target - shoulder
-    excess = norm(way) - _HELP_FROM * length
-    excess = 0.5 * (excess + np.sqrt(excess**2 + _HELP_SOFT**2))
-    # the shoulder moves towards the target by |axis| metres for each radian about the axis
-    axis = cross(arm, unit(way))
-    lever = norm(axis)
-    angle = _HELP_MOST * np.tanh(excess * lever / (lever**2 + 0.03**2) / _HELP_MOST)
-    return quat.from_rotation_vector(unit(axis) * angle[:, None])
+    reach.
+
+    If the clavicle can give g metres, it gives x^2 / 4g for a target x metres past length - g: so the arm
+    comes to its full length with no speed, just where the clavicle can give no more.
+    """
+    arm, way = shoulder - clavicle, target - clavicle
+    a, b, distance = norm(arm), norm(way), norm(target - shoulder)
+    angle = np.arccos(np.clip(dot(arm, way) / np.maximum(a * b, 1e-12), -1.0, 1.0))
+    most = np.maximum(angle - _HELP_MOST, 0.0)
+    gain = np.maximum(distance - np.sqrt(np.maximum(a**2 + b**2 - 2.0 * a * b * np.cos(most), 0.0)), 1e-9)
+    past = np.clip(distance - (length - gain), 0.0, 2.0 * gain)
+    wanted = distance - past**2 / (4.0 * gain)
+    cosine = (a**2 + b**2 - wanted**2) / np.maximum(2.0 * a * b, 1e-12)
+    turn = np.where(past > 0.0, angle - np.arccos(np.clip(cosine, -1.0, 1.0)), 0.0)
+    return quat.from_rotation_vector(unit(cross(arm, way)) * turn[:, None])
 
 
 def _elbow_aim(fps: float, side: int, line: Array, chest: Array, hand: Array, limb: Array) -> Array:

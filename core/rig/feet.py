@@ -16,13 +16,18 @@ from numpy.typing import NDArray
 from ..database.contacts import toe_places
 from ..maths import quat
 from ..mocap.skeleton import SIDES, Motion, Skeleton
-from . import heel, locks, two_bone
+from . import heel, locks, two_bone, validity
 from .pose import with_world_rotations, world_positions, world_rotations
+from .vectors import norm
 
 Array = NDArray[np.floating[Any]]
 
 _SOFT_KNEE = 0.03
 """Metres: a leg bent by less takes the plane of its knee from the shin's own axes."""
+_SOFT_PULL = 0.01
+"""Metres over which a foot in the air that would be out of reach begins to be pulled in."""
+_FREE_S = 0.15
+"""Seconds after a foot leaves the floor, and before it is back, in which that begins and ends."""
 _TIP = 0.5
 """Length of a toe whose end is unknown, as a share of the way over the ground from ankle to toe joint."""
 _FORWARD = np.array([0.0, 1.0, 0.0])
@@ -71,10 +76,12 @@ def plan_feet(
         path = positions[leg.end] + quat.rotate(rotations[leg.end], leg.shift)
         found = locks.find_locks(path, contacts[:, side], leg.height, unlock_distance, motion.fps)
         pitch = heel.pitch_of(rotations[leg.foot], leg.to_toe)
-        found = [_within_reach(lock, pitch, hips[leg.thigh], heel.longest(leg.length)) for lock in found]
+        found = [_within_reach(lock, pitch, hips[leg.thigh], leg) for lock in found]
         for lock in found:
             held[lock.first : lock.last + 1, side] = True
+        free = 1.0 - validity.weights(held[:, side], motion.fps, _FREE_S)[:, None]
         path += locks.offsets(path, found, max(2, round(4.0 * halflife * motion.fps)))
+        path[:, :2] += _pull(path, pitch, hips[leg.thigh], leg) * free
         path[:, 2] = leg.height + locks.clear(path[:, 2] - leg.height, held[:, side], motion.fps)
         toes[:, side] = path
     return FootPlan(toes, np.stack([rotations[leg.foot] for leg in legs], axis=1), held)
@@ -126,21 +133,33 @@ class _Leg:
         self.tip = tip if np.linalg.norm(tip) > 5e-3 else _TIP * self.to_toe[1] * _FORWARD
 
 
-def _within_reach(lock: locks.Lock, pitch: heel.Pitch, hips: Array, length: float) -> locks.Lock:
+def _within_reach(lock: locks.Lock, pitch: heel.Pitch, hips: Array, leg: _Leg) -> locks.Lock:
     """The lock, moved over the ground towards the body until the leg reaches it through the whole contact."""
     span = slice(lock.first, lock.last + 1)
-    part = heel.Pitch(
-        pitch.back[span], pitch.right[span], pitch.angle[span], pitch.radius[span], pitch.aside[span]
-    )
-    point = lock.point.copy()
-    # each turn mends the worst frame; frames that pull opposite ways settle between
-    for _ in range(8):
-        excess = part.nearest(hips[span], point) - length
+    part = pitch.cut(span)
+    best = point = lock.point
+    least = np.inf
+    # early and late frames may pull opposite ways: ever smaller steps settle between them
+    for turn in range(12):
+        excess = part.nearest(hips[span], point) - heel.longest(leg.length)
         worst = int(np.argmax(excess))
+        if excess[worst] < least:
+            best, least = point, float(excess[worst])
         way = hips[lock.first + worst] - point
         level = float(np.linalg.norm(way[:2]))
         if excess[worst] <= 0.0 or level < 1e-3:
             break
-        step = min(float(excess[worst] * np.linalg.norm(way)) / level, level)
-        point[:2] += way[:2] * (step / level)
-    return replace(lock, point=point)
+        step = min(float(excess[worst] * np.linalg.norm(way)) / level, level) * 0.85**turn
+        point = point + np.array([*way[:2] * (step / level), 0.0])
+    return replace(lock, point=best)
+
+
+def _pull(path: Array, pitch: heel.Pitch, hips: Array, leg: _Leg) -> Array:
+    """What brings a toe in the air within the leg's reach `(T, 2)`, over the ground towards the body."""
+    excess = pitch.nearest(hips, path) - heel.longest(leg.length)
+    excess = 0.5 * (excess + np.sqrt(excess**2 + _SOFT_PULL**2))
+    way = hips - path
+    level = np.maximum(norm(way[:, :2]), 1e-6)
+    share = np.minimum(excess * norm(way) / level**2, 1.0)
+    # a foot below the body has nowhere to be pulled to
+    return way[:, :2] * (share * np.minimum(level / _SOFT_PULL, 1.0))[:, None]

@@ -1,10 +1,9 @@
-"""The head at the headset: neck and spine share its turn, hips and spine its place (issue of the paper's
-section 6).
+"""The head at the headset: neck and spine share its turn, hips and spine close the way to it.
 
-The head joint ends exactly at its target. Its turn is shared with neck and chest. Of the way that is left,
-the slow part over the ground moves the body, the quick part bends the spine, and the hips take the rest,
-which is mostly height; a head much lower than the motion's bends the trunk forward as well. Legs are to be
-solved afterwards.
+The head joint ends exactly at its target. Its turn is shared with neck and chest. A head that is higher than
+the motion's draws spine and neck straight; one that is much lower bends the trunk forward. Of the way that is
+left, the slow part over the ground moves the body, the quick part bends the spine, and the hips take the rest,
+which is mostly height. Legs are to be solved afterwards.
 """
 
 from __future__ import annotations
@@ -27,6 +26,10 @@ _CHEST_SHARE = 0.18
 """Share of the head's turn that reaches the chest; the neck lies half way between chest and head."""
 _SLOW_S = 0.35
 """Standard deviation in seconds of the smoothing that tells the body's own drift from a lean."""
+_UPRIGHT = 0.8
+"""Greatest share of the way to a straight spine and neck that a higher head draws them up."""
+_POSTURE_S = 0.15
+"""Standard deviation in seconds of the smoothing of what draws them up."""
 _LEAN_S = 0.08
 """The same for what the spine leaves to the hips: jitter."""
 _BEND = np.radians(20.0)
@@ -64,6 +67,7 @@ def place_head(
     target = chain.head() + away
 
     chain.turn_head(turn)
+    chain.straighten(filters.gaussian(target[:, 2] - chain.head()[:, 2], _POSTURE_S * motion.fps))
     error = target - chain.head()
     moved = filters.gaussian(error[:, :2], _SLOW_S * motion.fps)
     chain.stoop(_stoop(motion, chain, error))
@@ -114,6 +118,18 @@ class _Chain:
                 share = _CHEST_SHARE + (1.0 - _CHEST_SHARE) * (i - self.chest) / (self.necks + 1)
             self._rotate(i, share * shared)
         self._rotate(last, vector)
+
+    def straighten(self, height: Array) -> None:
+        """Draw spine and neck up to raise the head by `height` `(T,)`, as far as they are not straight
+        already."""
+        before, given = self.head()[:, 2], list(self.rotations)
+        inner = range(self.pelvis, len(self.joints) - 1)
+        for i in inner:
+            self.rotations[i] = quat.multiply(quat.between(quat.rotate(given[i], _UP), _UP), given[i])
+        gain = np.maximum(self.head()[:, 2] - before, 0.0)
+        share = np.clip(height / np.maximum(gain, 1e-3), 0.0, _UPRIGHT)
+        for i in inner:
+            self.rotations[i] = quat.slerp(given[i], self.rotations[i], share)
 
     def stoop(self, angle: Array) -> None:
         """Bend the trunk forward by angles `(T,)`, half in the hips, the rest along the spine; neck and

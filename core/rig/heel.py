@@ -11,14 +11,18 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from ..maths import filters, quat
-from .vectors import dot, level, unit
+from .vectors import dot, level, norm, unit
 
 Array = NDArray[np.floating[Any]]
 
 _STRAIGHT = 0.998
-"""Share of a leg's length to which it is stretched before the heel rises."""
+"""Share of a leg's length to which it is stretched at most, as long as a rising heel can help."""
+_SOFT = 0.03
+"""Share of a leg's length over which the rising heel takes over: a knee that locks snaps."""
 _STEEPEST = np.radians(95.0)
 """Greatest angle over the ground from the toe back to the ankle."""
+_EASY = np.radians(10.0)
+"""Pitch past the motion's own that a step may ask of a foot before it is made shorter."""
 _HEEL = 1.35
 """Distance over the ground from toe to heel as a multiple of that from toe to ankle."""
 _PEAK_S = 0.03
@@ -44,8 +48,13 @@ class Pitch:
     aside: Array
     """`(T,)` metres."""
 
+    def cut(self, span: slice) -> Pitch:
+        """The same for some of the frames."""
+        return Pitch(self.back[span], self.right[span], self.angle[span], self.radius[span], self.aside[span])
+
     def nearest(self, hips: Array, toes: Array) -> Array:
-        """Least distance `(T,)` in metres from a thigh joint to the ankle that pitching the foot can give.
+        """Distance `(T,)` in metres from a thigh joint to the ankle with a little more pitch where that
+        helps.
 
         Args:
             hips: `(T, 3)` thigh joints.
@@ -53,18 +62,23 @@ class Pitch:
         """
         w = hips - toes
         along, up = dot(w, self.back), w[..., 2]
-        angle = np.clip(np.arctan2(up, along), self.angle, np.maximum(self.angle, _STEEPEST))
+        angle = np.clip(np.arctan2(up, along), self.angle, self.angle + _EASY)
         meeting = self.radius * (along * np.cos(angle) + up * np.sin(angle))
         meeting += dot(w, self.right) * self.aside
         square = dot(w, w) + self.radius**2 + self.aside**2 - 2.0 * meeting
         return np.sqrt(np.maximum(square, 0.0))
 
-    def reaching(self, hips: Array, toes: Array, length: float) -> Array:
-        """Least angle `(T,)` at which the ankle is no farther than `length` from the thigh joint, or
-        nearest to it.
+    def distance(self, hips: Array, toes: Array) -> Array:
+        """Distance `(T,)` in metres from a thigh joint to the ankle as the foot is."""
+        ankle = self.back * (self.radius * np.cos(self.angle))[:, None] + self.right * self.aside[:, None]
+        ankle[:, 2] += self.radius * np.sin(self.angle)
+        return norm(hips - toes - ankle)
 
-        With w from the toe to the thigh joint and r the radius, w.(cos a, sin a) >= (w^2 + r^2 - length^2)
-        / 2r.
+    def reaching(self, hips: Array, toes: Array, length: Array) -> Array:
+        """Least angle `(T,)` at which the ankle is no farther than `length` `(T,)` from the thigh joint.
+
+        Where no angle is enough, the one that brings it nearest. With w from the toe to the thigh joint and
+        r the radius, w.(cos a, sin a) >= (w^2 + r^2 - length^2) / 2r.
         """
         w = hips - toes
         along, up = dot(w, self.back), w[..., 2]
@@ -89,7 +103,7 @@ def pitch_of(rotations: Array, foot_to_toe: Array) -> Pitch:
 
 
 def longest(length: float) -> float:
-    """How far an ankle may be from the thigh joint before its heel rises, of a leg's length in metres."""
+    """How far an ankle may be from the thigh joint, of a leg's length in metres."""
     return _STRAIGHT * length
 
 
@@ -114,7 +128,11 @@ def raise_heel(
         fps: frames per second.
     """
     pitch = pitch_of(rotations, foot_to_toe)
-    reaching = np.minimum(pitch.reaching(hips, toes, longest(length)), np.maximum(pitch.angle, _STEEPEST))
+    distance = pitch.distance(hips, toes)
+    past = np.clip(distance - longest(length) + 0.5 * _SOFT * length, 0.0, _SOFT * length)
+    bearable = np.minimum(distance - past**2 / (2.0 * _SOFT * length), longest(length))
+    reaching = np.where(past > 0.0, pitch.reaching(hips, toes, bearable), pitch.angle)
+    reaching = np.minimum(reaching, np.maximum(pitch.angle, _STEEPEST))
     wanted = np.maximum(_least_pitch(foot_to_toe, rest_height, toes[:, 2]), reaching)
     lift = _smooth_peaks(np.maximum(wanted - pitch.angle, 0.0), fps)
     return quat.multiply(quat.from_rotation_vector(-pitch.right * lift[:, None]), rotations)

@@ -15,8 +15,8 @@ BLEND_S = 0.2
 """Seconds after a tracker is lost, and before it is back, over which it loses and gains its say."""
 
 
-def weights(valid: NDArray[np.bool_], fps: float) -> Array:
-    """1 where tracked, falling smoothly to 0 within `BLEND_S` into each gap: `(T,)` of flags `(T,)`."""
+def weights(valid: NDArray[np.bool_], fps: float, seconds: float = BLEND_S) -> Array:
+    """1 where tracked, falling smoothly to 0 within some seconds into each gap: `(T,)` of flags `(T,)`."""
     if not valid.any():
         return np.zeros(len(valid))
     known = np.flatnonzero(valid)
@@ -24,7 +24,7 @@ def weights(valid: NDArray[np.bool_], fps: float) -> Array:
     after = np.searchsorted(known, frames)
     right = np.abs(known[np.minimum(after, len(known) - 1)] - frames)
     left = np.abs(frames - known[np.maximum(after - 1, 0)])
-    t = np.clip(1.0 - np.minimum(left, right) / (BLEND_S * fps + 1.0), 0.0, 1.0)
+    t = np.clip(1.0 - np.minimum(left, right) / (seconds * fps + 1.0), 0.0, 1.0)
     return t * t * (3.0 - 2.0 * t)
 
 
