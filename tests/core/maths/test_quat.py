@@ -108,7 +108,9 @@ def test_angles() -> None:
     yaw = np.linspace(-3.1, 3.1, 50)
     assert np.allclose(angles.yaw_of(angles.direction(yaw)), yaw)
     assert np.allclose(angles.turn(np.array([0.0, 1.0]), yaw), angles.direction(yaw))
-    assert np.allclose(angles.direction(yaw), quat.rotate(quat.from_yaw(yaw), np.array([0.0, 1.0, 0.0]))[:, :2])
+    assert np.allclose(
+        angles.direction(yaw), quat.rotate(quat.from_yaw(yaw), np.array([0.0, 1.0, 0.0]))[:, :2]
+    )
 
 
 def test_angular_velocity_of_a_steady_turn() -> None:
