@@ -36,12 +36,14 @@ class Augmentation:
     """Deviation of the headset's tilt, radians."""
     grip: float = 0.02
     """Deviation of the place of the hand joint in the controller, head heights."""
-    grip_turn: float = 0.2
+    grip_turn: float = 0.4
     """Deviation of the controller's turn in the hand, radians."""
     turn: float = 0.7
     """Deviation of the speed at which the path is bent, rad/s."""
     look: float = 0.3
     """Deviation of the extra angles that the head looks aside by, radians."""
+    frame: float = 0.25
+    """Half the windows are seen not in the headset's axes but in some this near to the body's, radians."""
     noise: float = 0.002
     """Deviation of each position, head heights."""
     noise_turn: float = 0.01
@@ -63,7 +65,7 @@ def mix_hands(windows: Float, yaws: Array, how: Augmentation, rng: np.random.Gen
     places = windows[..., POSITIONS].reshape(count, samples, 3, 3)
     columns = windows[..., ROTATIONS].reshape(count, samples, 3, 2, 3)
     for hand in (1, 2):
-        chosen: NDArray[np.bool_] = rng.random(count) < how.mix
+        chosen = rng.random((count,)) < how.mix
         to = np.flatnonzero(chosen)
         reach = (places[:, :, hand] - places[:, :, 0])[:, :, None]
         vectors = np.concatenate([reach, columns[:, :, hand]], axis=2)[other[to]]

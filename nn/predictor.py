@@ -24,13 +24,16 @@ from .inputs import (
     yaw_to_sixd,
 )
 from .weights import Predictor, read_predictor
-from .windows import Layout, stream, take_windows, window_inputs
+from .windows import FACING, Layout, mirror_inputs, stream, take_windows, window_inputs
 
 Array = NDArray[np.floating[Any]]
 
 _FOLDER = Path(__file__).parent / "weights"
 _CHUNK = 2048
 """Windows worked on at once: bounds memory on recordings of hours."""
+_ASKED = 30.0
+"""Answers per second of predictors that see the future; bodies turn slowly, so those between are
+interpolated."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -133,14 +136,20 @@ def run_windows(predictor: Predictor, layout: Layout, rows: NDArray[np.float32],
     Each answer is a vector: its direction the yaw, its length, at most about 1, the certainty. Networks vote
     by their sum, and smoothing in world space lets certain moments carry doubtful ones.
     """
-    frames = len(rows)
-    head = angles.yaw_of(rows[:, 27:29].astype(np.float64))
-    vectors = np.empty((frames, 2))
-    for low in range(0, frames, _CHUNK):
-        high = min(low + _CHUNK, frames)
-        windows = take_windows(rows, np.arange(low, high) / fps, fps, layout)
-        vectors[low:high] = answer_windows(predictor, layout, windows, head[low:high])
-    vectors = angles.turn(vectors, head)
+    frames = np.arange(len(rows))
+    asked = frames if predictor.causal else np.union1d(frames[:: max(1, int(fps / _ASKED))], frames[-1:])
+    head = angles.yaw_of(rows[asked, FACING].astype(np.float64))
+    answers = [
+        answer_windows(
+            predictor,
+            layout,
+            take_windows(rows, asked[low : low + _CHUNK] / fps, fps, layout),
+            head[low : low + _CHUNK],
+        )
+        for low in range(0, len(asked), _CHUNK)
+    ]
+    found = angles.turn(np.concatenate(answers), head)
+    vectors = np.stack([np.interp(frames, asked, found[:, axis]) for axis in range(2)], axis=-1)
     if predictor.causal:
         vectors = _lagging(vectors, predictor.smoothing * fps)
     else:
@@ -153,11 +162,15 @@ def run_windows(predictor: Predictor, layout: Layout, rows: NDArray[np.float32],
 def answer_windows(
     predictor: Predictor, layout: Layout, windows: NDArray[np.float32], frame_yaws: Array
 ) -> Array:
-    """The mean answer `(N, 2)`, ground vectors in axes turned to `frame_yaws`, of the predictor's
-    networks."""
+    """The mean answer `(N, 2)`, ground vectors in axes turned to `frame_yaws`, of the predictor's networks.
+
+    Each is asked twice, about the window and about its mirror image, so that none prefers a side.
+    """
     inputs = window_inputs(windows, frame_yaws, layout)
-    inputs = predictor.scaler.apply(inputs).astype(np.float32)
-    return np.mean([network.forward(inputs) for network in predictor.networks], axis=0)
+    pair = [predictor.scaler.apply(x).astype(np.float32) for x in (inputs, mirror_inputs(inputs, layout))]
+    across = np.array([-1.0, 1.0])
+    answers = [network.forward(pair[0]) + across * network.forward(pair[1]) for network in predictor.networks]
+    return 0.5 * np.mean(answers, axis=0)
 
 
 def _lagging(vectors: Array, frames: float) -> Array:

@@ -51,7 +51,7 @@ class TrainSettings:
         0.15, "Held Out", "Share of the takes kept from training to measure the error on", low=0.01, high=0.9
     )
     patience: int = setting(
-        12, "Patience", "Stop after this many measurements without a better held-out error", low=1, high=1000
+        8, "Patience", "Stop after this many measurements without a better held-out error", low=1, high=1000
     )
     time_limit: float = setting(
         300.0, "Time Limit", "Stop after this long and keep the best so far", low=1.0, high=86400.0, unit="s"

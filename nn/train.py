@@ -24,7 +24,7 @@ from .settings import TrainSettings
 from .weights import Predictor, read_predictor, save_predictor
 from .windows import stream
 
-MEASUREMENTS = 30
+MEASUREMENTS = 15
 """How often the held-out error is measured in a full training."""
 NO_TORCH = (
     "training needs torch, which is not installed; get it with: pip install torch --index-url "
@@ -192,7 +192,7 @@ def make_learner(
     from .train_window import WindowLearner
 
     batch = settings.batch or 512
-    steps = max(1, frames // batch) * (settings.epochs or 60)
+    steps = max(1, frames // batch) * (settings.epochs or 30)
     learner = WindowLearner(
         samples,
         CAUSAL if settings.kind == "causal" else LOOK_AHEAD,

@@ -18,8 +18,9 @@ from .train_torch import build_mlp, from_torch, load_weights
 from .weights import Predictor
 from .windows import FACING, Layout, mirror_inputs, stream, window_inputs
 
-HIDDEN = (128, 128)
+HIDDEN = (256, 128)
 SMOOTHING = 0.1
+"""Seconds, for windows that see the future; smoothing the past costs more in lag than it gains."""
 AUGMENTATION = Augmentation()
 
 
@@ -37,7 +38,6 @@ class WindowLearner:
         steps: int,
         seed: int,
         hidden: Sequence[int] = HIDDEN,
-        smoothing: float = SMOOTHING,
         augmentation: Augmentation = AUGMENTATION,
         dropout: float = 0.0,
         start: Predictor | None = None,
@@ -46,7 +46,8 @@ class WindowLearner:
     ) -> None:
         torch.manual_seed(seed)
         self.rng = np.random.default_rng(seed)
-        self.layout, self.batch, self.steps, self.smoothing = layout, batch, steps, smoothing
+        self.layout, self.batch = layout, batch
+        self.smoothing = 0.0 if layout.causal else SMOOTHING
         self.augmentation = augmentation
         valid = [np.ones((len(sample), 3), dtype=bool) for sample in samples]
         rows = [
@@ -90,9 +91,11 @@ class WindowLearner:
         places = np.clip(places, self.first[frames][:, None], self.last[frames][:, None])
         windows = mix_hands(self.rows[places], self.yaws[places], self.augmentation, self.rng)
         windows = augment(windows, self.layout.offsets, self.augmentation, self.rng)
-        head = angles.yaw_of(windows[:, self.layout.centre, FACING].astype(np.float64))
-        inputs = window_inputs(windows, head, self.layout)
-        truth = angles.direction(self.yaws[frames] - head)
+        frame = angles.yaw_of(windows[:, self.layout.centre, FACING].astype(np.float64))
+        near = self.rng.normal(self.yaws[frames], self.augmentation.frame)
+        frame = np.where(self.rng.random(count) < 0.5, near, frame)
+        inputs = window_inputs(windows, frame, self.layout)
+        truth = angles.direction(self.yaws[frames] - frame)
         mirrored = mirror_inputs(inputs, self.layout)
         return np.concatenate([inputs, mirrored]), np.concatenate([truth, truth * [-1.0, 1.0]])
 

@@ -30,8 +30,8 @@ ALLOWED = {
 HELD_OUT = ("beatsaber_5", "006_12", "007_10", "indian_13", "martial_07", "salsa_14", "100STYLE_Neutral_FW")
 """Takes kept back to choose the best moment of a training."""
 SETTINGS = {
-    "look-ahead": TrainSettings(kind="look-ahead", voters=4, time_limit=3600.0, patience=1000),
-    "causal": TrainSettings(kind="causal", voters=4, time_limit=3600.0, patience=1000),
+    "look-ahead": TrainSettings(kind="look-ahead", voters=2, time_limit=3600.0, patience=1000),
+    "causal": TrainSettings(kind="causal", voters=2, time_limit=3600.0, patience=1000),
     "paper": TrainSettings(kind="paper", time_limit=3600.0, patience=1000),
 }
 WEIGHTS = Path(__file__).parents[1] / "nn" / "weights"
