@@ -21,7 +21,12 @@ def resample(motion: Motion, fps: float) -> Motion:
     """The motion at another rate: rotations by slerp, positions linearly; the first frame stays.
 
     The result ends at its last frame that the motion still covers.
+
+    Raises:
+        InputError: `fps` is not a positive number.
     """
+    if not (fps > 0.0 and np.isfinite(fps)):
+        raise InputError(f"{fps} frames per second: give a positive number")
     count = len(motion)
     if fps == motion.fps or count < 2:
         return Motion(motion.skeleton, fps, motion.positions, motion.rotations)

@@ -18,12 +18,14 @@ from .bvh import BvhFile, read_bvh
 from .edit import resample
 from .floor import SOLE, floor_height, is_floor, standing_height
 from .roles import match_roles
-from .skeleton import Motion, Skeleton, Take
+from .skeleton import SIDES, Motion, Skeleton, Take
 from .tpose import FORWARD, NEAR, looks_like_tpose, tpose_rotations
 from .typical import typical_pose
 
 Array = NDArray[np.floating[Any]]
 
+_RATES = (5.0, 1000.0)
+"""Frames per second of usual mocap."""
 _TPOSE_FRAME = np.radians(25.0)
 """A first frame whose limbs are this near to T-pose is one."""
 _THROWN = 6.0
@@ -52,6 +54,8 @@ def take_from_bvh(bvh: BvhFile, fps: float | None = None) -> Take:
     notes = _Notes()
     body = _read_body(bvh, notes)
     rate = frame_rate(bvh.frame_time)
+    if not _RATES[0] <= rate <= _RATES[1]:
+        notes.doubts.append(f"{rate:g} frames per second are unlikely; check the file's frame time")
     length = f"{len(bvh)} frames, {len(bvh) / rate:.1f} s"
     notes.found["rate"] = f"{rate:g} fps (frame time {bvh.frame_time:g} s), {length}"
     cut, in_tpose = _first_frame(body, rate, notes)
@@ -115,6 +119,7 @@ def _read_body(bvh: BvhFile, notes: _Notes) -> Body:
     notes.found["unit"] = f"{unit} (thigh, shin and hips to head measure {length:.2f} m)"
     if not 0.8 < length < 2.2:
         notes.doubts.append(f"the body measures {length:.2f} m with {unit} as unit: not an adult's size")
+    _check_size(body, bvh.file)
     up, share = find_up(body)
     notes.found["up axis"] = up
     if share < 0.6:
@@ -133,6 +138,21 @@ def _read_body(bvh: BvhFile, notes: _Notes) -> Body:
                 f"{name} slides by up to {100 * slide:.1f} cm on its parent; it is held at its median place"
             )
     return body
+
+
+def _check_size(body: Body, file: str) -> None:
+    """Refuse bodies whose limbs have no length or whose legs are one."""
+    least = 1e-3 * float(np.linalg.norm(body.offsets[1:], axis=-1).sum())
+    for side in SIDES:
+        for part in ("forearm", "hand", "shin", "foot"):
+            joint = body.joint(f"{part}.{side}")
+            if np.linalg.norm(body.offsets[joint]) <= least:
+                raise InputError(
+                    f"{file}: the bone that ends at {body.names[joint]} has no length; export anew"
+                )
+    apart = body.positions[:, body.joint("thigh.R")] - body.positions[:, body.joint("thigh.L")]
+    if np.linalg.norm(apart, axis=-1).max() <= least:
+        raise InputError(f"{file}: both legs start at the same place; export anew")
 
 
 def _first_frame(body: Body, fps: float, notes: _Notes) -> tuple[int, bool]:
@@ -159,6 +179,10 @@ def _find_tpose(body: Body, first_frame: bool, cut: int, fps: float, notes: _Not
     source = "the file's zero pose"
     if not looks_like_tpose(body.roles, positions, NEAR):
         source = "the data (the file's zero pose is none)"
+        if len(body.positions) - cut < 2 and not first_frame:
+            notes.doubts.append(
+                "one frame, and neither it nor the zero pose is a T-pose: rotations are unsure"
+            )
         if first_frame:
             rest, positions = body.rotations[0], body.positions[0]
             source = "the first frame"

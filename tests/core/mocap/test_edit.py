@@ -57,6 +57,12 @@ def test_resampling_one_frame(walk: Motion):
     assert resample(one, 30.0).fps == 30.0
 
 
+@pytest.mark.parametrize("fps", [0.0, -30.0, float("nan"), float("inf")])
+def test_no_rate_is_refused(walk: Motion, fps: float):
+    with pytest.raises(InputError, match="positive number"):
+        resample(walk, fps)
+
+
 def reflected(points: np.ndarray) -> np.ndarray:
     return points * np.array([-1.0, 1.0, 1.0])
 
