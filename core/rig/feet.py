@@ -67,7 +67,8 @@ def plan_feet(
     """
     skeleton = motion.skeleton
     legs = [_Leg(skeleton, side) for side in range(2)]
-    hips = world_positions(body or motion, world_rotations(body or motion, [leg.thigh for leg in legs]))
+    body = motion if body is None else body
+    hips = world_positions(body, world_rotations(body, [leg.thigh for leg in legs]))
     rotations = world_rotations(motion, [leg.end for leg in legs])
     positions = world_positions(motion, rotations)
     held = np.zeros_like(contacts)
