@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from .database.motion_database import MotionDatabase
 from .errors import InputError
-from .evaluation.metrics import bake_metrics
+from .evaluation.metrics import Yardstick, body_of, summarise
+from .evaluation.series import series
 from .jobs import Job, part
 from .matching.body_target import body_targets
 from .matching.inertialization import assemble
@@ -49,6 +50,8 @@ class BakeResult:
     report: dict[str, Any]
     """JSON-ready: metrics, timing, settings, inputs, warnings (DESIGN, "Interfaces")."""
     warnings: tuple[str, ...]
+    yardstick: Yardstick
+    """What the motion was measured by, for measuring it once more as Blender shows it."""
 
 
 def bake(
@@ -119,9 +122,7 @@ def bake(
 
     yield 0.95, "Measuring"
     sized_truth = None if truth is None else scale_motion(truth, to_rig)
-    # skating is measured on the contacts of the matched motion: those that the lock kept are still by construction
-    metrics = bake_metrics(
-        avatar.motion,
+    yardstick = Yardstick(
         contacts,
         trackers,
         playback,
@@ -130,12 +131,14 @@ def bake(
         scale=to_rig / to_database,
         truth=sized_truth,
     )
+    values = yardstick.measure(body_of(avatar.motion))
     clock.lap("measures")
     warnings = tuple(recording.doubts)
     report = {
         "format": REPORT_FORMAT,
         "schema": REPORT_SCHEMA,
-        "metrics": metrics,
+        "metrics": summarise(values),
+        "series": series(values),
         "timing_s": {**clock.laps, "recorded": float(recording.times[-1])},
         "settings": asdict(settings),
         "inputs": _inputs(recording, databases),
@@ -143,7 +146,15 @@ def bake(
         "warnings": list(warnings),
     }
     return BakeResult(
-        rig, tracks, avatar.motion, avatar.contacts, playback, playback.transitions / fps, report, warnings
+        rig,
+        tracks,
+        avatar.motion,
+        avatar.contacts,
+        playback,
+        playback.transitions / fps,
+        report,
+        warnings,
+        yardstick,
     )
 
 

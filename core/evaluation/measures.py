@@ -24,15 +24,27 @@ RATIO_SPEED_M_S = 0.5
 
 
 def summary(values: Array) -> dict[str, float]:
-    """Mean, standard deviation, 95th percentile and maximum of all values; zeros where there are none."""
-    if values.size == 0:
-        return {"mean": 0.0, "std": 0.0, "p95": 0.0, "max": 0.0}
+    """Mean, standard deviation, 95th percentile, maximum and number of all values that are not NaN.
+
+    Where nothing was to be measured all are 0, and `count` tells that from a perfect result.
+    """
+    counted = values[~np.isnan(values)]
+    if counted.size == 0:
+        return {"mean": 0.0, "std": 0.0, "p95": 0.0, "max": 0.0, "count": 0}
     return {
-        "mean": float(values.mean()),
-        "std": float(values.std()),
-        "p95": float(np.percentile(values, 95)),
-        "max": float(values.max()),
+        "mean": float(counted.mean(dtype=np.float64)),
+        "std": float(counted.std(dtype=np.float64)),
+        "p95": float(np.percentile(counted, 95)),
+        "max": float(counted.max()),
+        "count": int(counted.size),
     }
+
+
+def counted(values: Array, where: Flags) -> Array:
+    """`values` with NaN, "does not count", where `where` (of the same shape or fewer trailing axes) is
+    False."""
+    where = where.reshape(*where.shape, *(1,) * (values.ndim - where.ndim))
+    return np.where(where, values, np.nan)
 
 
 def distances(a: Array, b: Array) -> Array:
@@ -60,11 +72,10 @@ def speeds(points: Array, fps: float) -> Array:
     return np.linalg.norm(np.diff(points, axis=0), axis=-1) * fps
 
 
-def jitter(positions: Array, fps: float) -> float:
-    """Mean third difference of joint positions `(T, J, 3)` in m/s^3; 0 for fewer than four frames."""
-    if len(positions) < 4:
-        return 0.0
-    return float(np.linalg.norm(np.diff(positions, n=3, axis=0), axis=-1).mean() * fps**3)
+def jitter(positions: Array, fps: float) -> Array:
+    """Third derivatives `(T - 3, J)` in m/s^3 of joint positions `(T, J, 3)`; none for fewer than four
+    frames."""
+    return np.linalg.norm(np.diff(positions, n=3, axis=0), axis=-1) * fps**3
 
 
 def ground_steps(toes: Array) -> Array:
@@ -73,14 +84,14 @@ def ground_steps(toes: Array) -> Array:
 
 
 def contact_speeds(toes: Array, contacts: Flags, fps: float) -> Array:
-    """Horizontal toe speeds `(M,)` in m/s over all steps between two frames in contact.
+    """Horizontal toe speeds `(T - 1, 2)` in m/s over steps between two frames in contact; NaN for others.
 
     Args:
         toes: `(T, 2, 3)` metres.
         contacts: `(T, 2)`.
         fps: frames per second.
     """
-    return ground_steps(toes)[contacts[1:] & contacts[:-1]] * fps
+    return counted(ground_steps(toes) * fps, contacts[1:] & contacts[:-1])
 
 
 def slides(toes: Array, contacts: Flags) -> Array:
@@ -107,19 +118,9 @@ def nsm_skate(toes: Array, heights: Array, fps: float, limit: float = NSM_HEIGHT
     return ground_steps(toes) * fps * (2.0 - 2.0**share)
 
 
-def skating_ratio(toes: Array, heights: Array, fps: float) -> float:
-    """Share of frames in which a low foot moves fast, about 0.05 in true motion; arguments as `nsm_skate`."""
+def skating(toes: Array, heights: Array, fps: float) -> Flags:
+    """Frames `(T - 1,)` in which a low foot moves fast, about 1 in 20 of true motion; arguments as
+    `nsm_skate`."""
     low = (heights[1:] < RATIO_HEIGHT_M) & (heights[:-1] < RATIO_HEIGHT_M)
-    skates = low & (ground_steps(toes) * fps > RATIO_SPEED_M_S)
-    return float(skates.any(axis=-1).mean()) if len(skates) else 0.0
-
-
-def transitions_per_s(count: int, frames: int, fps: float) -> float:
-    """Transitions per second of a motion of so many frames."""
-    return count * fps / max(frames - 1, 1)
-
-
-def fraction(flags: Flags, among: Flags | None = None) -> float:
-    """Share of True in `flags`, all or where `among` is True; 0 where there is nothing to count."""
-    counted = flags if among is None else flags[among]
-    return float(counted.mean()) if counted.size else 0.0
+    fast = ground_steps(toes) * fps > RATIO_SPEED_M_S
+    return np.logical_or.reduce(low & fast, axis=-1)
