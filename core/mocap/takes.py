@@ -230,7 +230,7 @@ def _check(motion: Motion, cut: int, notes: _Notes) -> None:
             )
     parts = checks.heading_parts(motion)
     if parts is not None and np.abs(parts).max() > checks.DRIFT:
-        listed = " ".join(f"{value:.0f}" for value in np.degrees(parts))
+        listed = " ".join(str(round(value)) for value in np.degrees(parts).tolist())
         notes.doubts.append(
             f"drift: the head's heading parts from the hips' by {listed} degrees over the take's "
             f"{len(parts)} parts; leave it out of orientation training"
