@@ -19,7 +19,7 @@ from .core.errors import InputError
 from .core.files import write_atomically
 from .core.settings import BakeSettings, DatabaseSettings, check
 
-DONE, BUG, BAD_INPUT = 0, 1, 2
+DONE, BUG, BAD_INPUT, LIMIT = 0, 1, 2, 3
 Report = dict[str, Any]
 
 
@@ -48,7 +48,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             file=sys.stderr,
         )
         return BUG
-    return DONE
+    return LIMIT if report.get("failed") else DONE
 
 
 def make_parser() -> argparse.ArgumentParser:
@@ -127,15 +127,22 @@ def make_parser() -> argparse.ArgumentParser:
     )
     add_bake_options(sub)
 
-    sub = verb("evaluate", evaluate, "compare bakes with the truth: each take is the user")
-    sub.add_argument("takes", nargs="+", metavar="TAKE", help="BVH takes that are in no database given")
-    sub.add_argument("--true-orientation", action="store_true", help="use the take's own body orientation")
-    add_bake_options(sub)
+    # only here: it uses this module's helpers
+    from . import cli_evaluate
+
+    cli_evaluate.add_verbs(verb)
     return parser
 
 
 def add_bake_options(parser: argparse.ArgumentParser) -> None:
-    """The options that bake and evaluate share."""
+    """The options of a bake."""
+    add_database(parser)
+    parser.add_argument("--predictor", metavar="P.npz", help='body-orientation weights, or "hmd" for none')
+    add_settings(parser, BakeSettings)
+
+
+def add_database(parser: argparse.ArgumentParser) -> None:
+    """The option for one or more databases."""
     parser.add_argument(
         "--database",
         action="append",
@@ -143,8 +150,6 @@ def add_bake_options(parser: argparse.ArgumentParser) -> None:
         metavar="DB.npz",
         help="a motion database; may be repeated",
     )
-    parser.add_argument("--predictor", metavar="P.npz", help='body-orientation weights, or "hmd" for none')
-    add_settings(parser, BakeSettings)
 
 
 def add_settings(parser: argparse.ArgumentParser, settings: type, skip: Sequence[str] = ()) -> None:
@@ -381,18 +386,3 @@ def bake(options: argparse.Namespace) -> Report:
         f"{options.output}: {target.name}, {len(result.tracks.rotations)} frames at {fps:g} per second",
     )
     return result.report
-
-
-def evaluate(options: argparse.Namespace) -> Report:
-    """Bakes of recordings simulated from takes, compared with the takes themselves."""
-    from .core.evaluation.evaluate import evaluate_takes
-    from .core.pipeline import report_in_words
-
-    settings = read_settings(options, BakeSettings)
-    databases = load_databases(options.database)
-    takes = load_takes(options.takes, databases[0].fps)
-    predict = None if options.true_orientation else choose_predictor(options.predictor)
-    report = run(evaluate_takes(takes, databases, predict, settings))
-    for entry in report["takes"]:
-        say(options, f"{entry['take']}\n{report_in_words(entry)}")
-    return report

@@ -1,0 +1,98 @@
+"""Two reports side by side: what got better and what got worse."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, cast
+
+from ..errors import InputError
+from .catalogue import METRICS, get
+
+TOLERANCE = 0.05
+"""Change, as a share of the old figure, up to which nothing is said to have changed."""
+_TINY = {"cm": 0.02, "cm/s": 0.05, "°": 0.05, "": 0.002}
+"""And changes that are nothing in any case, by unit."""
+
+
+def compare_reports(
+    old: Mapping[str, Any], new: Mapping[str, Any], tolerance: float = TOLERANCE
+) -> dict[str, Any]:
+    """A table of all metrics that both reports have, of evaluations or bakes.
+
+    Args:
+        old: a report.
+        new: a later one.
+        tolerance: relative change that counts as none.
+
+    Returns:
+        JSON-ready: `rows` with `metric`, `old`, `new`, `change` (relative; None from zero) and `verdict`
+        ("better", "worse", "same", or "" where neither way is better), the number `worse`, and
+        `differences`: inputs and settings that are not the same.
+
+    Raises:
+        InputError: they have no metric in common.
+    """
+    rows: list[dict[str, Any]] = []
+    for name, metric in METRICS.items():
+        paths = [f"{name}.{key}" for key in ("mean", "p95")] if metric.kind == "distribution" else [name]
+        for path in paths:
+            before, after = get(old["metrics"], path), get(new["metrics"], path)
+            if before is None or after is None:
+                continue
+            moved = after - before
+            same = abs(moved) <= max(tolerance * abs(before), _TINY.get(metric.unit, 0.0))
+            verdict = "same" if same else "better" if (moved < 0) == (metric.better == "lower") else "worse"
+            rows.append(
+                {
+                    "metric": path,
+                    "unit": metric.unit,
+                    "old": before,
+                    "new": after,
+                    "change": moved / before if before else None,
+                    "verdict": verdict if metric.better else "",
+                }
+            )
+    if not rows:
+        raise InputError("the two reports have no metric in common; give reports of evaluate or bake")
+    worse = sum(row["verdict"] == "worse" for row in rows)
+    return {"tolerance": tolerance, "rows": rows, "worse": worse, "differences": _differences(old, new)}
+
+
+def _differences(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
+    """Why two reports may not be comparable, a line each."""
+    lines: list[str] = []
+    for key in ("settings", "measured", "true_orientation", "format"):
+        a, b = old.get(key), new.get(key)
+        if isinstance(a, dict) and isinstance(b, dict):
+            lines += _changed(cast(dict[str, Any], a), cast(dict[str, Any], b))
+        elif a != b:
+            lines.append(f"{key}: {a} before, {b} now")
+    before, after = ({_input(row) for row in report.get("inputs", [])} for report in (old, new))
+    lines += [f"only before: {text}" for text in sorted(before - after)]
+    lines += [f"only now: {text}" for text in sorted(after - before)]
+    return lines
+
+
+def _changed(old: dict[str, Any], new: dict[str, Any]) -> list[str]:
+    keys = sorted(old.keys() | new.keys())
+    return [
+        f"{key.replace('_', '-')}: {old.get(key)} before, {new.get(key)} now"
+        for key in keys
+        if old.get(key) != new.get(key)
+    ]
+
+
+def _input(row: Mapping[str, str]) -> str:
+    return f"{row['kind']} {row['name']} {row['sha256'][:8]}".rstrip()
+
+
+def comparison_in_words(comparison: Mapping[str, Any]) -> str:
+    """The table for people."""
+    lines = [f"{'':<38}{'old':>10}{'new':>10}{'change':>9}"]
+    for row in comparison["rows"]:
+        change = "" if row["change"] is None else f"{row['change']:+.0%}"
+        lines.append(
+            f"{row['metric']:<38}{row['old']:>10.3f}{row['new']:>10.3f}{change:>9}  {row['verdict']}"
+        )
+    lines += [f"not the same: {line}" for line in comparison["differences"]]
+    return "\n".join([*lines, f"{comparison['worse']} worse by more than {comparison['tolerance']:.0%}"])
