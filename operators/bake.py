@@ -105,7 +105,7 @@ class FOOTWORK_OT_bake(JobOperator, bpy.types.Operator):
             scene.frame_start = footwork.frame_start
             scene.frame_end = footwork.frame_start + max(frames - 1, 1)
         scene.frame_set(scene.frame_current)
-        figures.show(footwork, result.report, f"{action.name} on {rig.name}")
+        figures.show(footwork, result.report, f"{action.name} on {rig.name}", scene_fps(scene))
         text = bpy.data.texts.get(REPORT) or bpy.data.texts.new(REPORT)
         text.from_string(json.dumps(result.report, indent=2))
         for warning in result.warnings:

@@ -1,7 +1,13 @@
-"""A bake's report in the few figures that tell whether it is good."""
+"""A bake's report in the few figures that tell whether it is good, and these over time."""
+
+import json
+from dataclasses import dataclass
+from typing import Any
 
 import bpy
+import numpy as np
 from bpy.props import IntProperty
+from numpy.typing import NDArray
 
 FIGURES = (
     ("root_error_cm", "Body to user", "cm", 15.0, "Distance of the avatar's root from the user's body"),
@@ -24,10 +30,67 @@ FIGURES = (
     ("penetration_cm", "Below the floor", "cm", 0.5, "Depth of toes below the floor"),
 )
 """Key in the report, label, unit, the mean up to which it counts as good, meaning."""
+GRAPHED = ("root_error_cm", "yaw_error_deg", "foot_skate_cm_s")
+"""The figures that are shown over time."""
 
 
-def show(footwork: bpy.types.PropertyGroup, report: dict, title: str) -> None:
-    """Fill the Quality panel."""
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One figure over time."""
+
+    label: str
+    unit: str
+    limit: float
+    values: NDArray[np.floating[Any]]
+    """Mean of each step; NaN where nothing was to be measured."""
+
+    def at(self, seconds: float, step_s: float) -> float:
+        """The value at a time, NaN where there is none."""
+        index = int(seconds // step_s)
+        return float(self.values[index]) if 0 <= index < len(self.values) else np.nan
+
+
+@dataclass(frozen=True, slots=True)
+class OverTime:
+    """The figures of a bake over time."""
+
+    frame_start: int
+    fps: float
+    seconds: float
+    step_s: float
+    rows: tuple[Row, ...]
+
+
+def over_time(report: dict, frame_start: int, fps: float) -> str:
+    """What the scene keeps for the graph, as JSON; frames are those of the action."""
+    series = report["series"]
+    kept = {key: series[key] for key in GRAPHED if key in series}
+    seconds = report["timing_s"]["recorded"]
+    return json.dumps(
+        {
+            "frame_start": frame_start,
+            "fps": fps,
+            "seconds": seconds,
+            "step_s": series["step_s"],
+            "series": kept,
+        }
+    )
+
+
+def read_over_time(text: str) -> OverTime:
+    """What `over_time` wrote."""
+    kept = json.loads(text)
+    rows = tuple(
+        Row(label, unit, limit, np.array(kept["series"][key], dtype=np.float64))
+        for key, label, unit, limit, _ in FIGURES
+        if key in kept["series"]
+    )
+    return OverTime(kept["frame_start"], kept["fps"], kept["seconds"], kept["step_s"], rows)
+
+
+def show(footwork: bpy.types.PropertyGroup, report: dict, title: str, fps: float) -> None:
+    """Fill the Quality panel; `fps` is the action's rate."""
+    footwork.over_time = over_time(report, footwork.frame_start, fps)
     metrics = report["metrics"]
     footwork.figures.clear()
     footwork.figures_of = title

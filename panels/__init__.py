@@ -2,7 +2,7 @@
 
 import bpy
 
-from . import bake, databases, lists, predictor, properties, quality, recording, rig, takes
+from . import bake, databases, graph, lists, predictor, properties, quality, recording, rig, takes
 
 STEPS = (takes, databases, predictor, recording, rig, bake, quality)
 CLASSES = (*lists.CLASSES, *(cls for step in STEPS for cls in step.CLASSES))
@@ -13,10 +13,12 @@ def register() -> None:
     properties.register()
     for cls in CLASSES:
         bpy.utils.register_class(cls)
+    graph.register()
 
 
 def unregister() -> None:
     """Take them away again."""
+    graph.unregister()
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)
     properties.unregister()

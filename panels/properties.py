@@ -235,6 +235,13 @@ class FOOTWORK_PG_scene(bpy.types.PropertyGroup):
         type=FOOTWORK_PG_figure, name="Quality", description="Figures of the last bake"
     )
     figures_of: StringProperty(name="Last Bake", description="What the figures belong to")
+    over_time: StringProperty(name="Figures over Time", description="The figures of the last bake as JSON")
+    show_graph: BoolProperty(
+        name="Graph in Viewport",
+        description="Show body to user, body direction and foot skate over time at the foot of the viewport; "
+        "the line across is the value up to which they count as good",
+        default=True,
+    )
     warnings: StringProperty(name="Warnings", description="Warnings of the last bake, a line each")
 
 

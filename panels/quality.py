@@ -31,6 +31,8 @@ class FOOTWORK_PT_quality(Part, bpy.types.Panel):
             value = split.row()
             value.alignment = "LEFT"
             value.operator("footwork.explain_figure", text=row.value, emboss=False).index = index
+        if footwork.over_time:
+            layout.prop(footwork, "show_graph", icon="GRAPH", toggle=True)
         told = footwork.recording_doubts.splitlines()
         fresh = [line for line in footwork.warnings.splitlines() if line not in told]
         text.notes(context, layout, "\n".join(fresh))

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from footwork.bridge import armature, compat
 from footwork.core.database.sidecar import load_database
-from footwork.operators import job_operator
+from footwork.operators import figures, job_operator
 from footwork.operators.bake import REPORT
 
 
@@ -120,6 +120,11 @@ def test_a_bake_without_a_rig_makes_one(empty, ready, source: str) -> None:
     report = json.loads(bpy.data.texts[REPORT].as_string())
     assert report["metrics"]["root_error_cm"]["mean"] < 30.0
     assert len(ready.figures) > 5 and rig.name in ready.figures_of
+    over_time = figures.read_over_time(ready.over_time)
+    assert len(over_time.rows) == 3 and over_time.fps == 60
+    assert np.nanmean(over_time.rows[0].values) == pytest.approx(
+        report["metrics"]["root_error_cm"]["mean"], rel=0.2
+    )
     frames = int(compat.fcurves_of(rig)[0].range()[1])
     assert empty.frame_end == frames
     # the head follows the headset in Blender's own evaluation

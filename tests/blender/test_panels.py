@@ -110,6 +110,7 @@ def filled(empty):
     )
     figure = footwork.figures.add()
     figure.name, figure.value, figure.good = "Hands", "0.1 cm", "GOOD"
+    footwork.over_time = '{"series": {}}'
     return footwork
 
 
