@@ -6,21 +6,33 @@ Exit codes: 0 done, 1 our bug, 2 bad usage or bad input, 3 a limit of --fail-if 
 from __future__ import annotations
 
 import argparse
-import json
+import math
 import sys
 import traceback
 from collections.abc import Callable, Sequence
-from dataclasses import MISSING, fields
 from pathlib import Path
-from typing import Any
 
-from .core import jobs
+from . import cli_evaluate
+from .cli_common import (
+    Report,
+    add_bake_options,
+    add_settings,
+    check_outputs,
+    choose_predictor,
+    each,
+    load_databases,
+    load_takes,
+    quiet_stdout,
+    read_settings,
+    run,
+    say,
+    write_report,
+)
 from .core.errors import InputError
-from .core.files import write_atomically
-from .core.settings import BakeSettings, DatabaseSettings, check
+from .core.settings import BakeSettings, DatabaseSettings
+from .nn.settings import TrainSettings
 
 DONE, BUG, BAD_INPUT, LIMIT = 0, 1, 2, 3
-Report = dict[str, Any]
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -31,7 +43,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     except SystemExit as end:
         return int(end.code or 0)
     try:
-        report = options.run(options)
+        check_outputs(options)
+        with quiet_stdout(options.json == "-"):
+            report = options.run(options)
         if options.json is not None:
             write_report(report, options.json)
     except InputError as error:
@@ -54,13 +68,19 @@ def main(argv: Sequence[str] | None = None) -> int:
 def make_parser() -> argparse.ArgumentParser:
     """The parser of all verbs, with help made from `core.settings`."""
     parser = argparse.ArgumentParser(
-        prog="footwork", description="Full-body animation from a VR headset and two hand controllers."
+        prog="footwork",
+        description="Full-body animation from a VR headset and two hand controllers.",
+        epilog="footwork VERB --help tells what a verb can do. Exit codes: 0 done, 2 bad usage or bad input (nothing "
+        "written), 3 a limit of --fail-if is passed, 1 a bug of ours.",
     )
     verbs = parser.add_subparsers(dest="verb", metavar="VERB", required=True)
 
-    def verb(name: str, run: Callable[[argparse.Namespace], Report], help: str) -> argparse.ArgumentParser:
+    def verb(
+        name: str, run: Callable[[argparse.Namespace], Report], help: str, writes: str = ""
+    ) -> argparse.ArgumentParser:
+        """A verb; `writes` is the suffix of the one file that it must write, if it does."""
         sub = verbs.add_parser(name, help=help, description=help[0].upper() + help[1:] + ".")
-        sub.set_defaults(run=run)
+        sub.set_defaults(run=run, writes=writes)
         sub.add_argument(
             "--json", metavar="FILE", help="write a machine-readable report, - for standard output"
         )
@@ -68,8 +88,33 @@ def make_parser() -> argparse.ArgumentParser:
 
     sub = verb("inspect", inspect, "show what is found in takes or recordings, and what is doubtful")
     sub.add_argument("files", nargs="+", metavar="FILE", help="BVH takes or recordings")
+    _add_build(verb("build-database", build, "build a motion database from takes", ".npz"))
+    sub = verb("database-info", info, "show a database's contents, coverage and provenance")
+    sub.add_argument("database", metavar="DB.npz", help="a motion database")
 
-    sub = verb("build-database", build, "build a motion database from takes")
+    sub = verb("train-predictor", train, "train a body-orientation predictor on takes (needs torch)", ".npz")
+    sub.add_argument("takes", nargs="+", metavar="TAKE", help="BVH takes")
+    sub.add_argument("-o", "--output", required=True, metavar="P.npz", help="the weights to write")
+    add_settings(sub, TrainSettings)
+
+    sub = verb("evaluate-predictor", evaluate_predictor, "orientation errors beside the headset's forward")
+    sub.add_argument("takes", nargs="+", metavar="TAKE", help="BVH takes, each the user once")
+    sub.add_argument(
+        "--predictor",
+        action="append",
+        metavar="P.npz",
+        help="weights; may be repeated (default: everything that ships)",
+    )
+
+    sub = verb("simulate-recording", simulate, "make a recording with virtual trackers from a take", ".csv")
+    sub.add_argument("take", metavar="TAKE", help="a BVH take")
+    sub.add_argument("-o", "--output", required=True, metavar="R.csv", help="the recording to write")
+    _add_bake(verb("bake", bake, "turn a recording into an animated rig", ".blend"))
+    cli_evaluate.add_verbs(verb)
+    return parser
+
+
+def _add_build(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("takes", nargs="+", metavar="TAKE", help="BVH takes")
     sub.add_argument("-o", "--output", required=True, metavar="DB.npz", help="the database to write")
     sub.add_argument(
@@ -92,26 +137,9 @@ def make_parser() -> argparse.ArgumentParser:
     )
     add_settings(sub, DatabaseSettings, skip=("height_low", "height_high"))
 
-    sub = verb("database-info", info, "show a database's contents, coverage and provenance")
-    sub.add_argument("database", metavar="DB.npz")
 
-    sub = verb("train-predictor", train, "train a body-orientation predictor on takes (needs torch)")
-    sub.add_argument("takes", nargs="+", metavar="TAKE", help="BVH takes")
-    sub.add_argument("-o", "--output", required=True, metavar="P.npz", help="the weights to write")
-    from .nn.settings import TrainSettings
-
-    add_settings(sub, TrainSettings)
-
-    sub = verb("evaluate-predictor", evaluate_predictor, "orientation errors beside the headset's forward")
-    sub.add_argument("takes", nargs="+", metavar="TAKE", help="BVH takes, each the user once")
-    sub.add_argument("--predictor", action="append", metavar="P.npz", help="default: everything that ships")
-
-    sub = verb("simulate-recording", simulate, "make a recording with virtual trackers from a take")
-    sub.add_argument("take", metavar="TAKE")
-    sub.add_argument("-o", "--output", required=True, metavar="R.csv", help="the recording to write")
-
-    sub = verb("bake", bake, "turn a recording into an animated rig")
-    sub.add_argument("recording", metavar="RECORDING")
+def _add_bake(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("recording", metavar="RECORDING", help="the three trackers, in any known format")
     sub.add_argument(
         "--rig", metavar="FILE[:OBJECT]", help=".blend, .fbx, .glb or .vrm; default: the database's skeleton"
     )
@@ -125,105 +153,23 @@ def make_parser() -> argparse.ArgumentParser:
     sub.add_argument(
         "--fps", type=float, metavar="N", help="frame rate of the scene (default: the database's)"
     )
-    add_bake_options(sub)
-
-    # only here: it uses this module's helpers
-    from . import cli_evaluate
-
-    cli_evaluate.add_verbs(verb)
-    return parser
-
-
-def add_bake_options(parser: argparse.ArgumentParser) -> None:
-    """The options of a bake."""
-    add_database(parser)
-    parser.add_argument("--predictor", metavar="P.npz", help='body-orientation weights, or "hmd" for none')
-    add_settings(parser, BakeSettings)
-
-
-def add_database(parser: argparse.ArgumentParser) -> None:
-    """The option for one or more databases."""
-    parser.add_argument(
-        "--database",
-        action="append",
-        required=True,
-        metavar="DB.npz",
-        help="a motion database; may be repeated",
+    sub.add_argument(
+        "--from",
+        dest="start",
+        type=float,
+        default=0.0,
+        metavar="S",
+        help="second of the recording to start at (default: its start)",
     )
-
-
-def add_settings(parser: argparse.ArgumentParser, settings: type, skip: Sequence[str] = ()) -> None:
-    """One flag for each field of a settings dataclass, under its field name."""
-    for item in fields(settings):
-        if item.name in skip:
-            continue
-        meta, flag = item.metadata, "--" + item.name.replace("_", "-")
-        assert item.default is not MISSING
-        if isinstance(item.default, bool):
-            parser.add_argument(
-                flag, action=argparse.BooleanOptionalAction, default=item.default, help=meta["help"]
-            )
-            continue
-        unit = f" {meta['unit']}" if meta["unit"] else ""
-        shown = f"{item.default:g}" if isinstance(item.default, float) else str(item.default)
-        parser.add_argument(
-            flag,
-            type=type(item.default),
-            default=item.default,
-            choices=list(meta["choices"]) if meta["choices"] else None,
-            metavar=None if meta["choices"] else meta["unit"].upper().replace("/", "_PER_") or "N",
-            help=f"{meta['help']} (default: {shown}{unit})".replace("%", "%%"),
-        )
-
-
-def read_settings(options: argparse.Namespace, settings: type, **fixed: Any) -> Any:
-    """The checked settings dataclass that the flags say, with `fixed` fields from elsewhere."""
-    names = [item.name for item in fields(settings) if item.name not in fixed]
-    made = settings(**{name: getattr(options, name) for name in names}, **fixed)
-    check(made)
-    return made
-
-
-def each(paths: Sequence[str], read: Callable[[str], Any]) -> list[Any]:
-    """`read` every path; all faults together in one InputError, a line each."""
-    results: list[Any] = []
-    faults: list[str] = []
-    for path in paths:
-        try:
-            results.append(read(path))
-        except InputError as error:
-            faults.append(str(error))
-    if faults:
-        raise InputError("\n".join(faults))
-    return results
-
-
-def run(job: jobs.Job[Any]) -> Any:
-    """Drive a job to its end, telling its progress on standard error."""
-    last = ("", -1.0)
-
-    def tell(fraction: float, message: str) -> None:
-        nonlocal last
-        if message != last[0] or fraction >= last[1] + 0.1:
-            print(f"[{fraction:4.0%}] {message}", file=sys.stderr, flush=True)
-            last = (message, fraction)
-
-    return jobs.run(job, tell)
-
-
-def write_report(report: Report, target: str) -> None:
-    """JSON to a file, or to standard output for "-"."""
-    text = json.dumps(report, indent=2, ensure_ascii=False) + "\n"
-    if target == "-":
-        sys.stdout.write(text)
-        return
-    write_atomically(target, lambda file: file.write(text.encode()))
-
-
-def say(options: argparse.Namespace, text: str) -> None:
-    """Print for people, unless standard output carries the JSON report."""
-    if options.json != "-":
-        print(text)
+    sub.add_argument(
+        "--to",
+        dest="stop",
+        type=float,
+        default=math.inf,
+        metavar="S",
+        help="second of the recording to stop at (default: its end)",
+    )
+    add_bake_options(sub)
 
 
 def inspect(options: argparse.Namespace) -> Report:
@@ -291,17 +237,6 @@ def info(options: argparse.Namespace) -> Report:
     return report
 
 
-def load_takes(paths: Sequence[str], fps: float | None = None) -> list[Any]:
-    """Takes with their doubts told on standard error."""
-    from .core.mocap.takes import load_take
-
-    takes = each(paths, lambda path: load_take(path, fps))
-    for take in takes:
-        for doubt in take.doubts:
-            print(f"{take.file}: doubtful: {doubt}", file=sys.stderr)
-    return takes
-
-
 def train(options: argparse.Namespace) -> Report:
     """A body-orientation predictor from takes."""
     from .nn.settings import TrainSettings
@@ -318,8 +253,10 @@ def evaluate_predictor(options: argparse.Namespace) -> Report:
     from .nn.predictor import load_predictor, shipped_predictors
 
     if options.predictor:
-        predictors = {Path(p).stem: p for p in options.predictor}
-        predictors = dict(zip(predictors, each(list(predictors.values()), load_predictor), strict=True))
+        paths = list(dict.fromkeys(options.predictor))
+        stems = [Path(path).stem for path in paths]
+        names = stems if len(set(stems)) == len(stems) else paths
+        predictors = dict(zip(names, each(paths, load_predictor), strict=True))
     else:
         predictors = shipped_predictors()
     report = evaluate_predictors(load_takes(options.takes), predictors)
@@ -339,27 +276,11 @@ def simulate(options: argparse.Namespace) -> Report:
     return {"file": options.output, "seconds": float(recording.times[-1]), "fps": recording.fps}
 
 
-def choose_predictor(name: str | None) -> Callable[[Any], Any]:
-    """The function from recording to body yaws that `--predictor` names; what ships by default."""
-    from .nn.predictor import hmd_forward, load_predictor, predict_yaw, shipped_predictor
-
-    if name == "hmd":
-        return hmd_forward
-    predictor = load_predictor(name) if name else shipped_predictor()
-    return lambda recording: predict_yaw(predictor, recording)
-
-
-def load_databases(paths: Sequence[str]) -> list[Any]:
-    """Motion databases, all faults told together."""
-    from .core.database.sidecar import load_database
-
-    return each(paths, lambda path: load_database(Path(path)))
-
-
 def bake(options: argparse.Namespace) -> Report:
     """An animated rig from a recording, written as a Blender file."""
     from .core.pipeline import bake as bake_job
     from .core.pipeline import report_in_words
+    from .core.recording.cut import cut
     from .core.recording.read import read_recording
 
     try:
@@ -372,7 +293,11 @@ def bake(options: argparse.Namespace) -> Report:
         ) from error
     settings = read_settings(options, BakeSettings)
     files.check_targets([options.output, *options.export])
+    if options.fps is not None and not 1.0 <= options.fps <= 1000.0:
+        raise InputError(f"--fps {options.fps:g}: give frames per second, such as 24")
     recording = read_recording(options.recording, options.eye_height)
+    if options.start > 0.0 or options.stop < math.inf:
+        recording = cut(recording, options.start, options.stop)
     databases = load_databases(options.database)
     predict = choose_predictor(options.predictor)
     fps = options.fps or databases[0].fps

@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from . import cli
+from . import cli_common as cli
 from .core.errors import InputError
 from .core.evaluation.compare import TOLERANCE, compare_reports, comparison_in_words
 from .core.evaluation.experiments import EXPERIMENTS

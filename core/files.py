@@ -6,11 +6,27 @@ import contextlib
 import hashlib
 import os
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 from pathlib import Path
 from typing import BinaryIO
 
 from .errors import InputError
+
+
+def check_target(path: str | os.PathLike[str]) -> Path:
+    """Where `path` leads, links followed, after a look at whether a file can be written there.
+
+    Raises:
+        InputError: the folder is missing or cannot be written to, or `path` is a folder.
+    """
+    with _explained(path):
+        target = Path(path).resolve()
+        if not target.parent.is_dir():
+            raise InputError(f"{path}: there is no folder {target.parent}; create it or choose another place")
+        if target.is_dir():
+            raise InputError(f"{path}: is a folder; give the name of a file to write")
+        with tempfile.TemporaryFile(dir=target.parent):
+            return target
 
 
 def write_atomically(path: str | os.PathLike[str], writer: Callable[[BinaryIO], object]) -> None:
@@ -27,21 +43,15 @@ def write_atomically(path: str | os.PathLike[str], writer: Callable[[BinaryIO], 
     Raises:
         InputError: the folder is missing or cannot be written to, `path` is a folder, or the disk is full.
     """
-    target = Path(path).resolve()
+    target = check_target(path)
     part = target.with_name(f".{target.name[:64]}.{os.getpid()}.part")
     try:
-        if not target.parent.is_dir():
-            raise InputError(f"{path}: there is no folder {target.parent}; create it or choose another place")
-        if target.is_dir():
-            raise InputError(f"{path}: is a folder; give the name of a file to write")
-        with part.open("wb") as file:
-            writer(file)
-            file.flush()
-            os.fsync(file.fileno())
-        part.replace(target)
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise InputError(f"{path}: cannot be written ({reason}); free the place or choose another") from error
+        with _explained(path):
+            with part.open("wb") as file:
+                writer(file)
+                file.flush()
+                os.fsync(file.fileno())
+            part.replace(target)
     finally:
         # gone already when all went well; a folder that forbids it has said so above
         with contextlib.suppress(OSError):
@@ -56,16 +66,21 @@ def write_through_path(path: str | os.PathLike[str], writer: Callable[[Path], ob
     Raises:
         InputError: the folder is missing or cannot be written to, or `path` is a folder.
     """
-    target = Path(path).resolve()
-    if not target.parent.is_dir():
-        raise InputError(f"{path}: there is no folder {target.parent}; create it or choose another place")
-    if target.is_dir():
-        raise InputError(f"{path}: is a folder; give the name of a file to write")
+    target = check_target(path)
+    with (
+        _explained(path),
+        tempfile.TemporaryDirectory(prefix=f".{target.name[:64]}.", dir=target.parent) as folder,
+    ):
+        part = Path(folder) / target.name
+        writer(part)
+        part.replace(target)
+
+
+@contextlib.contextmanager
+def _explained(path: str | os.PathLike[str]) -> Generator[None]:
+    """What the system objects to in writing `path`, as an InputError."""
     try:
-        with tempfile.TemporaryDirectory(prefix=f".{target.name[:64]}.", dir=target.parent) as folder:
-            part = Path(folder) / target.name
-            writer(part)
-            part.replace(target)
+        yield
     except OSError as error:
         reason = error.strerror or str(error)
         raise InputError(f"{path}: cannot be written ({reason}); free the place or choose another") from error

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import importlib.util
 import json
+import re
+import shutil
 import subprocess
 import sys
 from dataclasses import fields
@@ -170,3 +172,31 @@ def test_same_inputs_give_the_same_bytes(tmp_path: Path, demo: Path) -> None:
     assert targets[0].read_bytes() == targets[1].read_bytes()
     with np.load(targets[0], allow_pickle=False) as arrays:
         assert arrays.files
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["build-database", "{take}", "-o", "{take}"], "ends? in .npz"),
+        (["build-database", "{take}", "-o", "{folder}/db.npz", "--json", "{take}"], "files to read"),
+        (["build-database", "{take}", "-o", "{folder}/none/db.npz"], "no folder"),
+        (
+            ["build-database", "{take}", "-o", "{folder}/db.npz", "--json", "{folder}/none/r.json"],
+            "no folder",
+        ),
+        (["build-database", "{take}", "-o", "{folder}/db.npz", "--json", "{folder}/db.npz"], "written twice"),
+        (["train-predictor", "{take}", "-o", "{folder}/none/p.npz"], "no folder"),
+        (["simulate-recording", "{take}", "-o", "{folder}/r.bvh"], "end in .csv"),
+        (["inspect", "{take}", "--json", "{take}"], "files to read"),
+    ],
+)
+def test_outputs_are_checked_before_any_work(
+    tmp_path: Path, demo: Path, arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    take = tmp_path / "take.bvh"
+    shutil.copy(demo / "turn.bvh", take)
+    assert main([item.format(take=take, folder=tmp_path) for item in arguments]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert re.search(said, line)
+    assert [path.name for path in tmp_path.iterdir()] == ["take.bvh"]
+    assert take.read_bytes() == (demo / "turn.bvh").read_bytes()
