@@ -134,6 +134,15 @@ class BakeSettings:
             "exponential": "Exponential decay, as in the paper's equations",
         },
     )
+    search: str = setting(
+        "path",
+        "Search",
+        "How the frames to play are chosen",
+        choices={
+            "greedy": "The best frame at each search, as in the paper",
+            "path": "The best path through the databases over the whole recording; slower",
+        },
+    )
     search_every: float = setting(
         10 / 60, "Search Every", "Time between two searches", low=1 / 240, high=2.0, unit="s"
     )

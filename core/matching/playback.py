@@ -15,11 +15,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..database.motion_database import POSE, MotionDatabase
+from ..database.motion_database import FEATURE_COUNT, POSE, TRAJECTORY, MotionDatabase
 from ..errors import InputError
 from ..jobs import Job
 from ..settings import BakeSettings
-from .search import Search, feature_weights, make_search, trajectory_only
+from .path_search import Schedule, find_path
+from .search import PlainSearch, Search, feature_weights, make_search, trajectory_only
 from .selection import check_databases, choose_databases
 from .trajectory import Trajectory
 
@@ -86,7 +87,10 @@ def match(
         )
     ranges = [database.height_range for database in databases]
     wanted = choose_databases(height_ratios, ranges, settings.height_margin)
-    return (yield from _Player(trajectory, wanted, databases, settings).play())
+    if settings.search == "greedy":
+        return (yield from _Player(trajectory, wanted, databases, settings).play())
+    schedule = yield from find_path(trajectory, wanted, databases, settings)
+    return _Player(trajectory, wanted, databases, settings).follow(schedule)
 
 
 def quick_changes(velocities: Array, fps: float) -> NDArray[np.bool_]:
@@ -102,6 +106,10 @@ class _Reel:
     def __init__(self, database: MotionDatabase, settings: BakeSettings) -> None:
         poses, dt = database.poses, 1.0 / database.fps
         self.features = database.features
+        self.mean, self.deviation = (
+            column[TRAJECTORY] for column in (database.features.mean, database.features.deviation)
+        )
+        """Of the trajectory's features `(12,)`."""
         self.search: Search = make_search(database.features, feature_weights(settings))
         caps = settings.adjustment * np.linalg.norm(poses.root_velocities, axis=-1)
         turn_caps = settings.adjustment * np.abs(poses.root_yaw_velocities)
@@ -165,28 +173,45 @@ class _Player:
         self._database[t], self._frame[t] = database, frame
         return self._result()
 
+    def follow(self, schedule: Schedule) -> Playback:
+        """All frames as scheduled, with the same adjustment and bound."""
+        end = len(self._targets) - 1
+        stops = [*schedule.times[1:].tolist(), end]
+        for t, stop, frame in zip(schedule.times.tolist(), stops, schedule.frames.tolist(), strict=True):
+            database = int(self._wanted[t])
+            self._advance(self._reels[database], frame, t, stop)
+            self._database[t : stop + 1] = database
+            self._frame[t : stop + 1] = np.arange(frame, frame + stop - t + 1)
+        self._transitions = schedule.times[schedule.changes].tolist()
+        self._searches = len(schedule.times)
+        return self._result()
+
     def _advance(self, reel: _Reel, frame: int, start: int, stop: int) -> None:
         """Carry the root from `start` to `stop` while `frame` and what follows plays."""
         x, y, yaw = self._root
+        path, held = self._path, self._clamped
         alpha = self._settings.alpha
         share = 1.0 - 2.0 ** (-1.0 / (self._trajectory.fps * ADJUSTMENT_HALFLIFE_S))
         steps, goals = reel.steps[frame : frame + stop - start], self._targets[start + 1 : stop + 1]
+        cos, sin, hypot, remainder = math.cos, math.sin, math.hypot, math.remainder
         for (forth, side, turn, cap, turn_cap), (goal_x, goal_y, goal_yaw) in zip(steps, goals, strict=True):
-            cosine, sine = math.cos(yaw), math.sin(yaw)
+            cosine, sine = cos(yaw), sin(yaw)
             x += cosine * forth - sine * side
             y += sine * forth + cosine * side
             yaw += turn
             away_x, away_y = x - goal_x, y - goal_y
-            away = math.hypot(away_x, away_y)
-            left = away - min(share * away, cap)
+            away = hypot(away_x, away_y)
+            step = share * away
+            left = away - (cap if step > cap else step)
             clamped = left > alpha
             if away > 0.0:
                 scale = (alpha if clamped else left) / away
                 x, y = goal_x + scale * away_x, goal_y + scale * away_y
-            turn = share * math.remainder(goal_yaw - yaw, math.tau)
-            yaw += min(max(turn, -turn_cap), turn_cap)
-            self._path.append((x, y, yaw))
-            self._clamped.append(clamped)
+            turn = share * remainder(goal_yaw - yaw, math.tau)
+            # min(max()) spelt out: calls are most of this loop's time
+            yaw += turn_cap if turn > turn_cap else -turn_cap if turn < -turn_cap else turn
+            path.append((x, y, yaw))
+            held.append(clamped)
         self._root = (x, y, yaw)
 
     def _first_frame(self) -> int:
@@ -194,13 +219,17 @@ class _Player:
         reel = self._reels[int(self._wanted[0])]
         weights = trajectory_only(feature_weights(self._settings))
         self._searches += 1
-        return make_search(reel.features, weights).nearest(self._query(0, reel, reel.features.mean[POSE]))[0]
+        query = self._query(0, reel, np.zeros(FEATURE_COUNT)[POSE])
+        return PlainSearch(reel.features, weights).nearest(query)[0]
 
     def _search(self, t: int, database: int, frame: int) -> tuple[int, int]:
         """What plays at `t`, where `frame` would play on: that one, unless another fits strictly better."""
         wanted = int(self._wanted[t])
         now, then = self._reels[database], self._reels[wanted]
-        pose = now.features.values[frame, POSE] * now.features.deviation[POSE] + now.features.mean[POSE]
+        pose = now.features.values[frame, POSE]
+        if now is not then:
+            pose = pose * now.features.deviation[POSE] + now.features.mean[POSE]
+            pose = (pose - then.features.mean[POSE]) / then.features.deviation[POSE]
         query = self._query(t, then, pose)
         may_stay = wanted == database and frame < now.last[frame]
         found, _ = then.search.nearest(query, then.search.cost(query, frame) if may_stay else math.inf)
@@ -212,8 +241,8 @@ class _Player:
         return wanted, found
 
     def _query(self, t: int, reel: _Reel, pose: Array) -> Array:
-        """The query `(27,)` at `t`: the wanted future seen from the root, and `pose` `(15,)`, both
-        normalised."""
+        """The query `(27,)` at `t`: the wanted future seen from the root, normalised, and the normalised
+        `pose` `(15,)`."""
         x, y, yaw = self._root
         cosine, sine = math.cos(yaw), math.sin(yaw)
         x0, y0, x1, y1, x2, y2, yaw0, yaw1, yaw2 = self._futures[t].tolist()
@@ -222,8 +251,11 @@ class _Player:
             ahead += (cosine * away_x + sine * away_y, cosine * away_y - sine * away_x)
         for turn in (yaw0 - yaw, yaw1 - yaw, yaw2 - yaw):
             ahead += (-math.sin(turn), math.cos(turn))
-        raw = np.concatenate([ahead, pose])
-        return (raw - reel.features.mean) / reel.features.deviation
+        query = np.empty(FEATURE_COUNT)
+        np.subtract(ahead, reel.mean, out=query[TRAJECTORY])
+        query[TRAJECTORY] /= reel.deviation
+        query[POSE] = pose
+        return query
 
     def _result(self) -> Playback:
         path = np.array(self._path)

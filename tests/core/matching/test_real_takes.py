@@ -20,6 +20,8 @@ from footwork.core.mocap.skeleton import Motion
 from footwork.core.mocap.takes import load_take
 from footwork.core.settings import BakeSettings, DatabaseSettings
 
+GREEDY = replace(BakeSettings(), search="greedy")
+
 OWN = (
     "walk1_subject1_walk2_filtered",
     "multipleActions1_subject1_jog2_filtered",
@@ -82,7 +84,7 @@ def test_looking_ahead_follows_better_than_extrapolating(locomotion, users):
     errors: dict[str, list[float]] = {}
     for form in ("causal", "look-ahead"):
         for motion in users:
-            playback, result = play(locomotion, motion, replace(BakeSettings(), trajectory=form))
+            playback, result = play(locomotion, motion, replace(GREEDY, trajectory=form))
             root, yaws = virtual_root(motion, 0.0)
             off = np.linalg.norm(playback.root_positions - root, axis=-1)
             turned = np.abs(np.arctan2(np.sin(playback.root_yaws - yaws), np.cos(playback.root_yaws - yaws)))
@@ -95,7 +97,7 @@ def test_looking_ahead_follows_better_than_extrapolating(locomotion, users):
 def test_a_larger_database_follows_better(locomotion, users, data):
     take = load_take(data / "takes/lafan1" / f"{OWN[1]}.bvh", 60.0)
     small = run(build_database([take], DatabaseSettings(), name="small"))
-    settings = BakeSettings()
+    settings = GREEDY
     errors = []
     for db in (locomotion, small):
         plays = [play(db, motion, settings)[0] for motion in users]
