@@ -41,6 +41,8 @@ class JobOperator:
     """
 
     title = "Working"
+    works_elsewhere = False
+    """The job only watches another process: one look per timer tick leaves Blender free."""
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -130,6 +132,8 @@ class JobOperator:
                 running.fraction, running.message = next(self._job)
             except StopIteration as stop:
                 return (stop.value,)
+            if self.works_elsewhere:
+                break
         self._left = time.perf_counter()
         if self._left - self._drawn > REDRAW_S:
             self._drawn = self._left

@@ -1,14 +1,5 @@
-"""Train a body-orientation predictor on the takes, in a process of its own."""
+"""Train a body-orientation predictor on the takes."""
 
-import importlib.util
-import json
-import os
-import subprocess
-import sys
-import tempfile
-import time
-from dataclasses import fields
-from functools import lru_cache
 from pathlib import Path
 
 import bpy
@@ -18,18 +9,8 @@ from ..bridge.lookup import find_scene
 from ..bridge.settings import read_settings
 from ..core.errors import InputError
 from ..nn.settings import TrainSettings
-from . import files
+from . import files, training
 from .job_operator import JobOperator
-
-PACKAGE_FOLDER = Path(__file__).parents[1]
-
-
-@lru_cache(maxsize=1)
-def torch_missing() -> str:
-    """Why training is not possible here, "" where it is."""
-    if importlib.util.find_spec("torch") is None:
-        return "Training needs PyTorch in Blender's Python; everything else works without it"
-    return ""
 
 
 class FOOTWORK_OT_train_predictor(JobOperator, bpy.types.Operator):
@@ -39,104 +20,56 @@ class FOOTWORK_OT_train_predictor(JobOperator, bpy.types.Operator):
     bl_label = "Train Predictor"
     bl_options = {"REGISTER", "UNDO"}
     title = "Training the predictor"
+    works_elsewhere = True
 
     filepath: StringProperty(
         name="Save As",
-        description="File to write; empty for a name beside the .blend file",
+        description="File to write; empty for the panel's",
         subtype="FILE_PATH",
         options={"SKIP_SAVE"},
     )
 
     @classmethod
     def refusal(cls, context):
-        if torch_missing():
-            return torch_missing()
         takes = context.scene.footwork.takes
-        return "" if any(take.use for take in takes) else "Add takes first"
+        if not any(take.use and take.state != "FAULT" for take in takes):
+            return "Tick at least one usable take" if takes else "Add takes first"
+        return training.find_trainer(context).missing
 
     def start(self, context):
         footwork = context.scene.footwork
         self._scene = context.scene.name
-        self._path = predictor_path(self.filepath)
+        self._path = predictor_path(footwork, self.filepath)
+        settings = read_settings(footwork.train_settings, TrainSettings)
+        if not self._path.parent.is_dir():
+            raise InputError(f"{self._path.parent}: no such folder; choose another file under Save As")
+        if settings.resume and not self._path.is_file():
+            raise InputError(f"{self._path}: no such file to go on from; switch Resume off")
         takes = [bpy.path.abspath(take.path) for take in footwork.takes if take.use and take.state != "FAULT"]
-        flags = _flags(read_settings(footwork.train_settings, TrainSettings))
-        return _train(["train-predictor", *takes, "-o", str(self._path), *flags])
+        return training.train(training.find_trainer(context).python, takes, self._path, settings)
 
     def finish(self, context, result):
         footwork = find_scene(self._scene).footwork
         footwork.predictor, footwork.predictor_path = "FILE", files.stored(str(self._path))
-        self.report({"INFO"}, f"{self._path.name} trained" + (f": {result}" if result else ""))
+        footwork.trained = in_words(result)
+        self.report({"INFO"}, f"{self._path.name} trained: {footwork.trained}")
 
 
-def predictor_path(override: str = "") -> Path:
-    """Where the next predictor is written."""
-    if override:
-        return Path(bpy.path.abspath(override)).with_suffix(".npz")
+def predictor_path(footwork: bpy.types.PropertyGroup, override: str = "") -> Path:
+    """Where the next predictor is written: as said, or a name after the .blend beside it."""
+    said = override or footwork.train_path
+    if said:
+        return Path(bpy.path.abspath(said)).with_suffix(".npz")
     stem = Path(bpy.data.filepath).stem if bpy.data.filepath else "footwork"
     return Path(files.beside_blend(f"{stem}_predictor.npz"))
 
 
-def _flags(settings: TrainSettings) -> list[str]:
-    """The command line's flags for everything that is not at its default."""
-    flags = []
-    for item in fields(settings):
-        value, flag = getattr(settings, item.name), item.name.replace("_", "-")
-        if value == item.default:
-            continue
-        if isinstance(value, bool):
-            flags.append(f"--{flag}" if value else f"--no-{flag}")
-        else:
-            flags += [f"--{flag}", str(value)]
-    return flags
-
-
-def _train(arguments):
-    """Run the command line in Blender's Python; closing the generator ends the process."""
-    with tempfile.TemporaryDirectory() as folder:
-        log, report = Path(folder) / "log", Path(folder) / "report.json"
-        with log.open("wb") as sink:
-            process = subprocess.Popen(
-                [sys.executable, "-m", "footwork", *arguments, "--json", str(report)],
-                stdout=sink,
-                stderr=sink,
-                env=_environment(),
-            )
-        try:
-            with log.open(encoding="utf-8", errors="replace") as lines:
-                fraction, message = 0.0, "Starting"
-                while process.poll() is None:
-                    for line in lines:
-                        fraction, message = _progress(line, fraction, message)
-                    yield fraction, message
-                    time.sleep(0.02)
-        finally:
-            if process.poll() is None:
-                process.terminate()
-                process.wait()
-        if process.returncode != 0:
-            last = [line for line in log.read_text(encoding="utf-8", errors="replace").splitlines() if line]
-            fault = last[-1].removeprefix("footwork train-predictor: ") if last else ""
-            raise InputError(fault or f"training ended with code {process.returncode}; try again")
-        return _summary(json.loads(report.read_text(encoding="utf-8")))
-
-
-def _environment() -> dict[str, str]:
-    """An environment in which this very package is importable under its own name."""
-    places = [str(PACKAGE_FOLDER.parent)] if PACKAGE_FOLDER.name == "footwork" else []
-    return {**os.environ, "PYTHONPATH": os.pathsep.join([*places, *filter(None, sys.path)])}
-
-
-def _progress(line: str, fraction: float, message: str) -> tuple[float, str]:
-    """Progress lines are "[ 12%] message"."""
-    head, bracket, rest = line.partition("%]")
-    if bracket and head.lstrip("[ ").isdigit():
-        return int(head.lstrip("[ ")) / 100.0, rest.strip()
-    return fraction, message
-
-
-def _summary(report: dict) -> str:
-    error = report.get("held_out_error_deg")
-    return f"{error:.1f}° mean error on takes held out" if isinstance(error, float) else ""
+def in_words(report: dict) -> str:
+    """What came of a training."""
+    return (
+        f"{report['held_out_error_deg']:.1f}° mean error on takes held out, "
+        f"the headset's forward {report['hmd_forward_error_deg']:.1f}°"
+    )
 
 
 CLASSES = (FOOTWORK_OT_train_predictor,)

@@ -2,10 +2,22 @@
 
 import bpy
 
-from . import bake, databases, graph, lists, predictor, properties, quality, recording, rig, takes
+from . import (
+    bake,
+    databases,
+    graph,
+    lists,
+    predictor,
+    preferences,
+    properties,
+    quality,
+    recording,
+    rig,
+    takes,
+)
 
 STEPS = (takes, databases, predictor, recording, rig, bake, quality)
-CLASSES = (*lists.CLASSES, *(cls for step in STEPS for cls in step.CLASSES))
+CLASSES = (*preferences.CLASSES, *lists.CLASSES, *(cls for step in STEPS for cls in step.CLASSES))
 
 
 def register() -> None:

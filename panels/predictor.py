@@ -2,7 +2,8 @@
 
 import bpy
 
-from ..operators.predictor import torch_missing
+from ..operators import training
+from ..operators.predictor import predictor_path
 from . import text
 from .parts import Part, job_button, settings_column
 
@@ -29,14 +30,21 @@ class FOOTWORK_PT_predictor(Part, bpy.types.Panel):
         header.label(text="Training")
         if not body:
             return
-        if torch_missing():
-            text.notes(context, body, torch_missing(), "INFO")
+        missing = training.find_trainer(context).missing
+        if missing:
+            text.notes(context, body, missing, "INFO")
+            body.operator(
+                "preferences.addon_show", text="Preferences", icon="PREFERENCES"
+            ).module = training.ADD_ON
+        body.prop(footwork, "train_path", placeholder=predictor_path(footwork).name)
         body.use_property_split = False
         settings = footwork.train_settings
         paper = settings.kind == "paper"
         unused = "voters" if paper else "iterations"
         settings_column(body, settings, [name for name in settings.__annotations__ if name != unused])
         job_button(body, "footwork.train_predictor", "PLAY", 1.3)
+        if footwork.trained:
+            text.notes(context, body, footwork.trained, "CHECKMARK")
 
 
 CLASSES = (FOOTWORK_PT_predictor,)

@@ -149,6 +149,10 @@ class FOOTWORK_PG_scene(bpy.types.PropertyGroup):
     predictor_path: file_path("Predictor", "Predictor that was trained on your own takes")
 
     train_settings: PointerProperty(type=FOOTWORK_PG_train_settings)
+    train_path: file_path(
+        "Save As", "Where the predictor is written; empty for a name beside the .blend file"
+    )
+    trained: StringProperty(name="Last Training", description="What came of the last training")
 
     recording_source: EnumProperty(
         name="Source",

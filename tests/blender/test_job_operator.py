@@ -176,3 +176,14 @@ def test_slow_drawing_gets_half_of_the_time(window, monkeypatch) -> None:
     operator.modal(window, TIMER)
     assert clock[0] - before == pytest.approx(0.25, abs=0.011)
     operator.cancel(window)
+
+
+def test_a_job_that_watches_another_process_is_looked_at_once_a_tick(window, monkeypatch) -> None:
+    slices(monkeypatch, 1.0)
+    operator = Counting()
+    operator.works_elsewhere = True
+    operator.invoke(window, None)
+    for number in range(operator.goal):
+        assert operator.modal(window, TIMER) == {"RUNNING_MODAL"}
+        assert job_operator.running.fraction == number / operator.goal
+    assert operator.modal(window, TIMER) == {"FINISHED"} and operator.result == operator.goal

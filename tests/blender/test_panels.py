@@ -15,13 +15,13 @@ from footwork.bridge.settings import read_settings
 from footwork.core.rig.fit import rig_from_skeleton
 from footwork.core.settings import BakeSettings, DatabaseSettings, check
 from footwork.nn.settings import TrainSettings
-from footwork.operators import job_operator
-from footwork.panels import lists
+from footwork.operators import job_operator, training
+from footwork.panels import lists, preferences
 
 ICONS = {
     item.identifier for item in bpy.types.UILayout.bl_rna.functions["label"].parameters["icon"].enum_items
 }
-PANELS = [cls for cls in panels.CLASSES if hasattr(cls, "draw") and "presets" not in cls.bl_idname]
+PANELS = [cls for cls in panels.CLASSES if "_PT_" in cls.__name__ and "presets" not in cls.bl_idname]
 
 
 class Layout(SimpleNamespace):
@@ -110,6 +110,7 @@ def filled(empty):
     )
     figure = footwork.figures.add()
     figure.name, figure.value, figure.good = "Hands", "0.1 cm", "GOOD"
+    footwork.trained = "6.5° mean error"
     footwork.over_time = '{"series": {}}'
     return footwork
 
@@ -150,6 +151,17 @@ def test_the_running_job_is_shown_where_it_was_started(filled, monkeypatch, cls,
     monkeypatch.setattr(job_operator, "running", job_operator.Running(operator, "Busy", 0.25, "halfway soon"))
     texts = draw(cls).texts
     assert "Busy: 25%" in texts and "halfway soon" in texts
+
+
+def test_the_preferences_say_whether_training_is_possible(empty, monkeypatch) -> None:
+    for missing, says in (("", "Training is possible"), ("get PyTorch", "get PyTorch")):
+        monkeypatch.setattr(
+            training, "find_trainer", lambda context, missing=missing: training.Trainer("python", missing)
+        )
+        stored = bpy.context.preferences.addons[training.ADD_ON].preferences
+        page = SimpleNamespace(layout=Layout([], []), bl_rna=stored.bl_rna, training_python="")
+        preferences.FOOTWORK_preferences.draw(page, bpy.context)
+        assert says in page.layout.texts
 
 
 def test_steps_are_in_the_order_of_work() -> None:
