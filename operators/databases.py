@@ -32,7 +32,8 @@ class FOOTWORK_OT_build_database(JobOperator, bpy.types.Operator):
         name="Save As",
         description="File to write; empty for the panel's",
         subtype="FILE_PATH",
-        options={"SKIP_SAVE"},
+        # hidden, or Adjust Last Operation would do it all again
+        options={"SKIP_SAVE", "HIDDEN"},
     )
 
     @classmethod

@@ -26,7 +26,8 @@ class FOOTWORK_OT_train_predictor(JobOperator, bpy.types.Operator):
         name="Save As",
         description="File to write; empty for the panel's",
         subtype="FILE_PATH",
-        options={"SKIP_SAVE"},
+        # hidden, or Adjust Last Operation would do it all again
+        options={"SKIP_SAVE", "HIDDEN"},
     )
 
     @classmethod

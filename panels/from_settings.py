@@ -14,6 +14,8 @@ UNITS = {
     "m/s": {"unit": "VELOCITY"},
 }
 """How Blender shows our units; numbers of other units are shown plain."""
+DIGITS = {"learning_rate": 5, "decay": 3}
+"""Places after the point for settings that are usually small."""
 
 
 def property_of(item: Field[Any]) -> Any:
@@ -28,7 +30,7 @@ def property_of(item: Field[Any]) -> Any:
     bounds = {end: meta[name] for end, name in (("min", "low"), ("max", "high")) if meta[name] is not None}
     if isinstance(default, int):
         return IntProperty(**shared, **bounds)
-    precision = 3 if meta["unit"] in UNITS else 2
+    precision = DIGITS.get(item.name, 3 if meta["unit"] in UNITS else 2)
     return FloatProperty(**shared, **bounds, **UNITS.get(meta["unit"], {}), step=1, precision=precision)
 
 

@@ -1,6 +1,11 @@
 """What all parts of the Footwork tab share."""
 
+import textwrap
+
+import bpy
+
 from ..operators import job_operator
+from . import text
 
 
 class Part:
@@ -37,9 +42,11 @@ def job_progress(layout, operator: str) -> bool:
     row = layout.row(align=True)
     row.progress(factor=running.fraction, text=f"{running.title}: {running.fraction:.0%}")
     row.operator("footwork.cancel_job", text="", icon="X")
-    message = layout.row()
+    message = layout.column(align=True)
     message.active = False
-    message.label(text=running.message)
+    message.scale_y = 0.8
+    for line in textwrap.wrap(running.message, text.width_of(bpy.context)) or [""]:
+        message.label(text=line)
     return True
 
 
