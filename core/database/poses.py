@@ -69,6 +69,7 @@ def join_poses(clips: Sequence[PoseDatabase]) -> PoseDatabase:
     for item in fields(PoseDatabase):
         column = np.concatenate([getattr(clip, item.name) for clip in clips])
         if column.dtype != np.bool_:
-            column = column.astype(np.float32).astype(np.float64)
+            # a pose in one run of memory: matching gathers them by rows
+            column = column.astype(np.float32, order="C").astype(np.float64)
         columns[item.name] = column
     return PoseDatabase(**columns)

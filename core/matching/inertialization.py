@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from ..database.motion_database import MotionDatabase
 from ..maths import angles, quat
+from ..maths.vectors import cross, dot
 from ..mocap.skeleton import Motion
 from ..settings import BakeSettings
 from .playback import Playback
@@ -78,7 +79,8 @@ def assemble(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Blend:
-    """The offset and its velocity at the start of each of S segments; the first has none."""
+    """The offset at the start of each of S segments, and its push: its velocity plus the spring's rate times
+    itself. The first has none."""
 
     starts: Frames
     """`(S,)` frames."""
@@ -90,16 +92,16 @@ class _Blend:
     @staticmethod
     def at(offset: tuple[Array, Array], segments: Frames, ages: Array, rate: float) -> Array:
         """The offset at frames that are `ages` `(B,)` seconds into their `segments` `(B,)`."""
-        values, speeds = offset
-        ages = ages.reshape(-1, *(1,) * (values.ndim - 1))
-        return np.exp(-rate * ages) * (values[segments] + (speeds + rate * values)[segments] * ages)
+        # frames last while gathered: then they are what runs fastest in memory
+        values, pushes = (array.T.take(segments, axis=-1) for array in offset)
+        return (np.exp(-rate * ages) * (values + pushes * ages)).T
 
 
 def _poses(databases: Sequence[MotionDatabase], database: Frames, frame: Frames) -> tuple[Array, Array]:
     """Hips `(T, 3)` and local rotations `(T, J, 4)` in root space of the given frames of the given
     databases."""
-    hips = np.empty((len(frame), 3))
-    rotations = np.empty((len(frame), len(databases[0].skeleton), 4))
+    hips = np.empty((len(frame), 3), order="F")
+    rotations = np.empty((len(frame), len(databases[0].skeleton), 4), order="F")
     for index, source in enumerate(databases):
         mine = np.flatnonzero(database == index)
         hips[mine] = source.poses.hips_positions[frame[mine]]
@@ -164,12 +166,12 @@ def _offsets(playback: Playback, databases: Sequence[MotionDatabase], fps: float
     jumps = quat.multiply(old_rotations, quat.conjugate(new_rotations))
     pushes = old.joints - quat.rotate(jumps, new.joints)
     rotations = _rotation_offsets(ages, jumps, pushes, spin, rate)
-    return _Blend(starts, hips, rotations)
+    return _Blend(starts, *((value, speed + rate * value) for value, speed in (hips, rotations)))
 
 
-def _decay(value: Array, speed: Array, age: float, rate: float) -> tuple[Array, Array]:
+def _decay(value: Array, speed: Array, age: Array | float, rate: float) -> tuple[Array, Array]:
     """Offset and velocity of a critically damped spring after `age` seconds; `rate` is 2 ln 2 / half-life."""
-    push, shrink = speed + rate * value, math.exp(-rate * age)
+    push, shrink = speed + rate * value, np.exp(-rate * age)
     return shrink * (value + push * age), shrink * (speed - rate * age * push)
 
 
@@ -177,6 +179,9 @@ def _rotation_offsets(
     ages: Array, jumps: Array, pushes: Array, spin: Array, rate: float
 ) -> tuple[Array, Array]:
     """Rotation vectors and their derivatives `(K + 1, J, 3)`: a recurrence over the K transitions.
+
+    What is left of an offset at the next transition is little, so all transitions are worked out at once, again
+    and again until nothing changes: after about ten rounds, at the latest after K.
 
     Args:
         ages: `(K,)` seconds from the transition before, the first from frame 0.
@@ -186,44 +191,37 @@ def _rotation_offsets(
         rate: of the spring, 1/s.
     """
     count, joints = jumps.shape[:2]
-    values, speeds = np.zeros((count + 1, joints, 3)), np.zeros((count + 1, joints, 3))
-    # the product with a jump as a matrix: one call for all joints
-    products = np.swapaxes(quat.multiply(np.eye(4), jumps[:, :, None]), -1, -2)
-    for k, age in enumerate(ages.tolist()):
-        x, dx = _decay(values[k], speeds[k], age, rate)
-        square, cross = _square(x), _skew(x)
+    values, speeds = (np.zeros((count + 1, joints, 3), order="F") for _ in range(2))
+    ages = ages[:, None, None]
+    for _ in range(count):
+        x, dx = _decay(values[:-1], speeds[:-1], ages, rate)
+        square = _square(x)
         angle = np.sqrt(square)
-        # the offset's own angular velocity J(x) dx and, by the same products, the push turned by the offset
-        once = cross @ np.stack([dx, pushes[k]], axis=-1)
-        twice = cross @ once
         ratio, half = np.sin(angle) / angle, (1.0 - np.cos(angle)) / square
-        velocity = dx + half * once[..., 0] + (1.0 - ratio) / square * twice[..., 0]
-        velocity += pushes[k] + ratio * once[..., 1] + half * twice[..., 1]
-        velocity[0, 2] += spin[k]
+        # the offset's own angular velocity J(x) dx, and the push turned by the offset
+        once = cross(x, dx)
+        velocity = dx + half * once + (1.0 - ratio) / square * cross(x, once)
+        once = cross(x, pushes)
+        velocity += pushes + ratio * once + half * cross(x, once)
+        velocity[:, 0, 2] += spin
         turn = np.concatenate([np.cos(0.5 * angle), np.sin(0.5 * angle) / angle * x], axis=-1)
-        values[k + 1] = x = quat.to_rotation_vector((products[k] @ turn[..., None])[..., 0])
-        speeds[k + 1] = _unwind(x, velocity)
+        x = quat.to_rotation_vector(quat.multiply(turn, jumps))
+        dx = _unwind(x, velocity)
+        if np.array_equal(x, values[1:]) and np.array_equal(dx, speeds[1:]):
+            break
+        values[1:], speeds[1:] = x, dx
     return values, speeds
 
 
 def _unwind(x: Array, velocity: Array) -> Array:
-    """The derivative `(J, 3)` of rotation vectors `x` that turns at an angular `velocity`: the inverse of
+    """The derivative `(..., 3)` of rotation vectors `x` that turns at an angular `velocity`: the inverse of
     J(x)."""
-    square, cross = _square(x), _skew(x)
+    square = _square(x)
     half = 0.5 * np.sqrt(square)
-    once = cross @ velocity[..., None]
-    twice = cross @ once
-    return velocity - 0.5 * once[..., 0] + (1.0 - half / np.tan(half)) / square * twice[..., 0]
+    once = cross(x, velocity)
+    return velocity - 0.5 * once + (1.0 - half / np.tan(half)) / square * cross(x, once)
 
 
 def _square(x: Array) -> Array:
-    """Squared angles `(J, 1)` of rotation vectors `(J, 3)`, kept from zero."""
-    return np.maximum(np.einsum("ij,ij->i", x, x), _TINY)[:, None]
-
-
-def _skew(x: Array) -> Array:
-    """Matrices `(J, 3, 3)` whose product with a vector is the cross product of `x` `(J, 3)` with it."""
-    out = np.zeros((len(x), 3, 3))
-    out[:, 2, 1], out[:, 0, 2], out[:, 1, 0] = x[:, 0], x[:, 1], x[:, 2]
-    out[:, 1, 2], out[:, 2, 0], out[:, 0, 1] = -x[:, 0], -x[:, 1], -x[:, 2]
-    return out
+    """Squared angles `(..., 1)` of rotation vectors `(..., 3)`, kept from zero."""
+    return np.maximum(dot(x, x), _TINY)[..., None]

@@ -23,8 +23,6 @@ Rows = NDArray[np.intp]
 MANY_FRAMES = 120_000
 """From this many frames on the hierarchy is the faster one; measured, see docs/matching.md."""
 
-_DIRECTIONS = 10
-"""Along which a matrix product looks first."""
 _SMALL, _LARGE = 16, 64
 _FAN = _LARGE // _SMALL
 _PROBES = 32
@@ -106,6 +104,10 @@ class _Exact:
 
     def _best(self, query: Array, rows: Rows, limit: float) -> tuple[int, float]:
         """The cheapest of the ascending valid `rows`; -1 where none is below `limit`."""
+        if len(rows) == 1:
+            frame = int(self._frames[rows[0]])
+            cost = self.cost(query, frame)
+            return (frame, cost) if cost < limit else (-1, cost)
         frames = self._frames[rows]
         costs = self._costs(query, frames)
         best = int(costs.argmin())
@@ -125,35 +127,24 @@ class PlainSearch(_Exact):
 
 
 class MatrixSearch(_Exact):
-    """Distances along the directions in which the frames differ most, of all frames by one matrix product.
-
-    They are never more than the whole distances: what they leave below the limit, or below the cost of the frame
-    that is nearest along them, is compared. Ten directions hold nine tenths of the variance and leave some dozen
-    frames of twenty thousand, at a third of the memory traffic that the whole product has.
-    """
+    """|z|^2 - 2 z.q of all frames by one matrix product."""
 
     def __init__(self, features: FeatureDatabase, weights: Array) -> None:
         super().__init__(features, weights)
-        rows = self._scaled_rows()
-        away = (rows - rows.mean(axis=0)).astype(np.float64)
-        self._directions = np.ascontiguousarray(np.linalg.eigh(away.T @ away)[1][:, -_DIRECTIONS:])
-        places = (rows @ self._directions).T
-        self._columns = np.empty((_DIRECTIONS + 1, len(rows)), dtype=np.float32)
-        self._columns[:-1] = -2.0 * places
-        self._columns[-1] = np.einsum("ij,ij->j", places, places)
-        self._query = np.ones(_DIRECTIONS + 1, dtype=np.float32)
+        rows = self._scaled_rows().astype(np.float64)
+        self._columns = np.empty((FEATURE_COUNT + 1, len(rows)), dtype=np.float32)
+        self._columns[:-1] = -2.0 * rows.T
+        self._columns[-1] = np.einsum("ij,ij->i", rows, rows)
+        self._query = np.ones(FEATURE_COUNT + 1, dtype=np.float32)
         self._scores = np.empty(len(rows), dtype=np.float32)
 
     def nearest(self, query: Array, limit: float = np.inf) -> tuple[int, float]:
         """The frame of least cost and its cost; -1 where none costs less than `limit`."""
         scaled = query * self._scale
-        place = scaled @ self._directions
-        self._query[:-1] = place
+        self._query[:-1] = scaled
         scores = np.dot(self._query, self._columns, out=self._scores)
-        bound = min(limit, self.cost(query, self._frames[scores.argmin()]))
-        near = np.float32(bound - place @ place + 2.0 * self._slack(scaled))
-        rows = (scores <= near).nonzero()[0]
-        return self._best(query, rows, limit) if len(rows) else (-1, np.inf)
+        near = scores[scores.argmin()] + np.float32(2.0 * self._slack(scaled))
+        return self._best(query, (scores <= near).nonzero()[0], limit)
 
 
 class BoxSearch(_Exact):

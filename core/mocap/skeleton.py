@@ -68,9 +68,10 @@ class Skeleton:
 
     def tpose_positions(self) -> Array:
         """Joint positions `(J, 3)` in T-pose, metres, the hips above the origin."""
-        rotations = np.zeros((1, len(self), 4))
-        rotations[..., 0] = 1.0
-        return kinematics.forward(self.offsets[None, 0], rotations, self.offsets, self.parents)[0][0]
+        positions = np.array(self.offsets)
+        for joint in range(1, len(self)):
+            positions[joint] += positions[self.parents[joint]]
+        return positions
 
     def leg_length(self) -> float:
         """Thigh plus shin, metres, mean of both sides."""

@@ -28,6 +28,8 @@ def resample(recording: Recording, fps: float) -> Recording:
         raise InputError(
             f"{recording.name}: {times[-1]:.3f} s are too short for a recording; record for longer"
         )
+    if len(at) == len(times) and np.array_equal(at, times):
+        return recording
     before, share = neighbours(times, at)
     nearest = before + (share > 0.5)
     return replace(

@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..maths import filters, quat
+from ..maths.vectors import across, cross, dot, norm, plane, unit
 from ..mocap.skeleton import SIDES, Motion
 from . import two_bone, validity
 from .pose import with_world_rotations, world_positions, world_rotations
 from .retarget import spine
-from .vectors import across, cross, dot, norm, plane, unit
 
 Array = NDArray[np.floating[Any]]
 

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from ..database.contacts import toe_places
 from ..maths import quat
+from ..maths.vectors import norm
 from ..mocap.skeleton import SIDES, Motion, Skeleton
 from . import heel, locks, two_bone, validity
 from .pose import with_world_rotations, world_positions, world_rotations
-from .vectors import norm
 
 Array = NDArray[np.floating[Any]]
 
@@ -77,7 +77,7 @@ def plan_feet(
         path = positions[leg.end] + quat.rotate(rotations[leg.end], leg.shift)
         found = locks.find_locks(path, contacts[:, side], leg.height, unlock_distance, motion.fps)
         pitch = heel.pitch_of(rotations[leg.foot], leg.to_toe)
-        found = [_within_reach(lock, pitch, hips[leg.thigh], leg) for lock in found]
+        found = _within_reach(found, pitch, hips[leg.thigh], leg)
         for lock in found:
             held[lock.first : lock.last + 1, side] = True
         free = 1.0 - validity.weights(held[:, side], motion.fps, _FREE_S)[:, None]
@@ -134,25 +134,34 @@ class _Leg:
         self.tip = tip if np.linalg.norm(tip) > 5e-3 else _TIP * self.to_toe[1] * _FORWARD
 
 
-def _within_reach(lock: locks.Lock, pitch: heel.Pitch, hips: Array, leg: _Leg) -> locks.Lock:
-    """The lock, moved over the ground towards the body until the leg reaches it through the whole contact."""
-    span = slice(lock.first, lock.last + 1)
-    part = pitch.cut(span)
-    best = point = lock.point
-    least = np.inf
+def _within_reach(found: list[locks.Lock], pitch: heel.Pitch, hips: Array, leg: _Leg) -> list[locks.Lock]:
+    """The locks, moved over the ground towards the body until the leg reaches them through the whole contact."""
+    if not found:
+        return found
+    points = np.stack([lock.point for lock in found])
+    best, least = points.copy(), np.full(len(found), np.inf)
+    going = np.arange(len(found))
     # early and late frames may pull opposite ways: ever smaller steps settle between them
     for turn in range(12):
-        excess = part.nearest(hips[span], point) - heel.longest(leg.length)
-        worst = int(np.argmax(excess))
-        if excess[worst] < least:
-            best, least = point, float(excess[worst])
-        way = hips[lock.first + worst] - point
-        level = float(np.linalg.norm(way[:2]))
-        if excess[worst] <= 0.0 or level < 1e-3:
+        counts = np.array([found[i].last - found[i].first + 1 for i in going])
+        starts = np.cumsum(counts) - counts
+        frames = np.concatenate([np.arange(found[i].first, found[i].last + 1) for i in going])
+        excess = pitch.cut(frames).nearest(hips[frames], np.repeat(points[going], counts, axis=0))
+        excess -= heel.longest(leg.length)
+        most = np.maximum.reduceat(excess, starts)
+        better = most < least[going]
+        best[going[better]], least[going[better]] = points[going[better]], most[better]
+        rows = np.flatnonzero(excess == np.repeat(most, counts))
+        worst = rows[np.searchsorted(rows, starts)]
+        way = hips[frames[worst]] - points[going]
+        level = norm(way[:, :2])
+        far = (most > 0.0) & (level >= 1e-3)
+        going, way, level = going[far], way[far], level[far]
+        if len(going) == 0:
             break
-        step = min(float(excess[worst] * np.linalg.norm(way)) / level, level) * 0.85**turn
-        point = point + np.array([*way[:2] * (step / level), 0.0])
-    return replace(lock, point=best)
+        step = np.minimum(most[far] * norm(way) / level, level) * 0.85**turn
+        points[going, :2] += way[:, :2] * (step / level)[:, None]
+    return [replace(lock, point=point) for lock, point in zip(found, best, strict=True)]
 
 
 def _pull(path: Array, pitch: heel.Pitch, hips: Array, leg: _Leg) -> Array:

@@ -108,13 +108,15 @@ def to_bone_tracks(motion: Motion, fit: RigFit, fps: float) -> BoneTracks:
     """
     motion = resample(motion, fps)
     skeleton = fit.skeleton
-    _, since_tpose = motion.forward()
-    pose = quat.multiply(quat.conjugate(fit.turn), quat.multiply(since_tpose, fit.tpose))
-    basis = np.empty_like(pose)
-    basis[:, 0] = quat.multiply(quat.conjugate(fit.rest[0]), pose[:, 0])
+    # with a local rotation L, P = P_parent T_parent^-1 L T: before and after L stand constants
+    before = np.empty_like(fit.rest)
+    before[0] = quat.conjugate(quat.multiply(fit.turn, fit.rest[0]))
     parents = skeleton.parents[1:]
     hang = quat.multiply(quat.conjugate(fit.rest[parents]), fit.rest[1:])
-    basis[:, 1:] = quat.multiply(quat.conjugate(quat.multiply(pose[:, parents], hang)), pose[:, 1:])
+    before[1:] = quat.conjugate(quat.multiply(fit.tpose[parents], hang))
+    # products with constants on both sides as one matrix a joint
+    products = quat.multiply(quat.multiply(before[:, None], np.eye(4)), fit.tpose[:, None])
+    basis = (np.swapaxes(products, -1, -2) @ motion.rotations.transpose(1, 2, 0)).transpose(2, 0, 1)
     moved = np.abs(basis[..., 1:]).max(axis=(0, 2)) > 1e-6
     keyed = np.flatnonzero(moved | np.array([role != "" for role in skeleton.roles]))
     heads = fit.rig.rest[fit.bones[0], :3, 3]

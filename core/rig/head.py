@@ -14,11 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..maths import filters, quat
+from ..maths.vectors import norm
 from ..mocap.skeleton import Motion
 from . import validity
 from .pose import with_world_rotations
 from .retarget import neck, path, pelvis, spine
-from .vectors import norm
 
 Array = NDArray[np.floating[Any]]
 

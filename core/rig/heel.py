@@ -11,7 +11,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from ..maths import filters, quat
-from .vectors import dot, level, norm, unit
+from ..maths.vectors import dot, level, norm, unit
 
 Array = NDArray[np.floating[Any]]
 
@@ -48,7 +48,7 @@ class Pitch:
     aside: Array
     """`(T,)` metres."""
 
-    def cut(self, span: slice) -> Pitch:
+    def cut(self, span: NDArray[np.intp]) -> Pitch:
         """The same for some of the frames."""
         return Pitch(self.back[span], self.right[span], self.angle[span], self.radius[span], self.aside[span])
 

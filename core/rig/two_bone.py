@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..maths import quat
-from .vectors import across, norm, plane, unit
+from ..maths.vectors import across, norm, plane, unit
 
 Array = NDArray[np.floating[Any]]
 

@@ -35,7 +35,10 @@ def cross(a: Array, b: Array) -> Array:
     """Cross products."""
     ax, ay, az = a[..., 0], a[..., 1], a[..., 2]
     bx, by, bz = b[..., 0], b[..., 1], b[..., 2]
-    return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
+    x = ay * bz - az * by
+    out = np.empty((*x.shape, 3), order="F")
+    out[..., 0], out[..., 1], out[..., 2] = x, az * bx - ax * bz, ax * by - ay * bx
+    return out
 
 
 def plane(along: Array, side: Array) -> Array:
@@ -49,7 +52,9 @@ def plane(along: Array, side: Array) -> Array:
         least = np.eye(3)[np.argmin(np.abs(x), axis=-1)]
         y = np.where(lost[..., None], across(least, x), y)
     y = unit(y)
-    return np.stack([x, y, cross(x, y)], axis=-1)
+    out = np.empty((*y.shape, 3), order="F")
+    out[..., 0], out[..., 1], out[..., 2] = x, y, cross(x, y)
+    return out
 
 
 def level(vectors: Array) -> Array:
