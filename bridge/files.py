@@ -12,6 +12,7 @@ import bpy
 from ..core.errors import InputError
 from ..core.files import write_through_path
 from ..core.mocap.bvh import write_bvh
+from ..core.mocap.edit import resample
 from ..core.mocap.export import to_bvh
 from ..core.mocap.skeleton import Motion
 from ..core.pipeline import BakeResult
@@ -67,7 +68,7 @@ class Target:
         for path in exports:
             kind = Path(path).suffix.lower()
             if kind == ".bvh":
-                write_bvh(path, to_bvh(self.motion, armature.name))
+                write_bvh(path, to_bvh(resample(self.motion, self.fps), armature.name))
             else:
                 write_through_path(path, partial(_EXPORTERS[kind], armature))
         write_through_path(output, _save_copy)
@@ -157,7 +158,9 @@ def _export_fbx(armature: bpy.types.Object, path: Path) -> None:
 
 def _export_glb(armature: bpy.types.Object, path: Path) -> None:
     _select(armature)
-    bpy.ops.export_scene.gltf(filepath=str(path), use_selection=True, export_format="GLB")
+    bpy.ops.export_scene.gltf(
+        filepath=str(path), use_selection=True, export_format="GLB", export_animation_mode="ACTIVE_ACTIONS"
+    )
 
 
 def _select(armature: bpy.types.Object) -> None:

@@ -18,7 +18,7 @@ from ..mocap.skeleton import Motion, Take
 from ..mocap.standing import standing_head_height
 from ..settings import DatabaseSettings, check
 from .carry import carry_over
-from .clips import Exclusion, check_exclusions, kept_ranges
+from .clips import Exclusion, check_exclusions, file_name, kept_ranges
 from .contacts import find_contacts, toe_positions
 from .features import clip_features, horizon_frames, normalize_features
 from .motion_database import Clip, MotionDatabase, PoseDatabase
@@ -121,7 +121,7 @@ def _clips(take: Take, motion: Motion, exclude: Sequence[Exclusion], skipped: li
             length = (stop - start) / motion.fps
             skipped.append(f"{name}: {length:.2f} s long, a clip needs {least / motion.fps:.2f} s")
         else:
-            clips.append(Clip(name, start, stop, take.file, take.sha256, mirrored=False))
+            clips.append(Clip(name, start, stop, file_name(take.file), take.sha256, mirrored=False))
     if not ranges:
         skipped.append(f"{take.name}: excluded as a whole")
     return clips
@@ -147,11 +147,14 @@ def _clip_table(pieces: Sequence[_Piece]) -> tuple[Clip, ...]:
 def _provenance(
     takes: Sequence[Take], settings: DatabaseSettings, exclude: Sequence[Exclusion], skipped: Sequence[str]
 ) -> dict[str, str]:
-    """What the database was made of, as JSON texts; no times, so that the same takes give the same bytes."""
+    """What the database was made of, as JSON texts.
+
+    Neither times nor folders, so that the same takes give the same bytes anywhere.
+    """
     sources = [
         {
             "name": take.name,
-            "file": take.file,
+            "file": file_name(take.file),
             "sha256": take.sha256,
             "frames": len(take.motion),
             "fps": round(take.motion.fps, 6),
@@ -162,6 +165,6 @@ def _provenance(
         "producer": f"footwork {VERSION}",
         "sources": json.dumps(sources),
         "settings": json.dumps(asdict(settings)),
-        "excluded": json.dumps([str(item) for item in exclude]),
+        "excluded": json.dumps([str(replace(item, take=file_name(item.take))) for item in exclude]),
         "skipped": json.dumps(list(skipped)),
     }

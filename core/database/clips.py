@@ -84,5 +84,10 @@ def kept_ranges(
     return kept
 
 
+def file_name(path: str) -> str:
+    """The last part of a path of any system: what a database tells of where its takes were."""
+    return re.split(r"[\\/]", path)[-1]
+
+
 def _names(exclusion: Exclusion, take: Take) -> bool:
-    return exclusion.take in (take.name, take.file, re.split(r"[\\/]", take.file)[-1])
+    return exclusion.take in (take.name, take.file, file_name(take.file))

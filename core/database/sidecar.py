@@ -27,7 +27,6 @@ from .motion_database import (
 from .schema import FORMAT, LAYOUT, SCHEMA, Arrays, FaultError, check_arrays, kind_of
 
 _UNREADABLE = (
-    OSError,
     ValueError,
     EOFError,
     KeyError,
@@ -129,6 +128,12 @@ def _read(path: str | os.PathLike[str]) -> Arrays:
                 return {name: archive[name] for name in LAYOUT if name in archive.files}
     except FileNotFoundError:
         raise InputError(f"{path}: there is no such file; check its name") from None
+    except InputError:  # a ValueError, too
+        raise
+    except OSError as error:
+        raise InputError(
+            f"{path}: cannot be read ({error.strerror or error}); check its name and rights"
+        ) from error
     except _UNREADABLE as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise FaultError(f"cannot be read ({reason})") from error

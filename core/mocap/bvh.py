@@ -10,7 +10,6 @@ import hashlib
 import io
 import os
 import warnings
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -21,7 +20,7 @@ from numpy.typing import NDArray
 from ..errors import InputError
 from ..files import write_atomically
 from ..maths import quat
-from .bvh_header import Header, header_end, parse_header
+from .bvh_header import LARGEST, Header, header_end, parse_header
 
 Array = NDArray[np.floating[Any]]
 
@@ -82,8 +81,8 @@ def read_bvh(path: str | os.PathLike[str]) -> BvhFile:
             size = os.fstat(stream.fileno()).st_size
             if size - header.body > _NUMBER_LIMIT * (header.columns + 1) * (header.frames + 1000):
                 raise InputError(
-                    f"{name}: {size} bytes are too many for the {header.frames} frames its header speaks of; "
-                    "correct the number after Frames:"
+                    f"{name}: line {header.frames_line}: {size} bytes are too many for the {header.frames} frames "
+                    "that Frames: promises; correct that number"
                 )
             data = start + stream.read()
     except IsADirectoryError:
@@ -237,7 +236,7 @@ def _parse_values(data: bytes, header: Header, file: str) -> Array:
             values = np.loadtxt(io.BytesIO(body), comments=None, ndmin=2, encoding="latin-1")
     except ValueError:
         values = np.zeros((0, 0))
-    if values.shape != (header.frames, header.columns) or not np.isfinite(values).all():
+    if values.shape != (header.frames, header.columns) or not (np.abs(values) < LARGEST).all():
         raise InputError(_first_fault(body, header, file))
     return np.ascontiguousarray(values)
 
@@ -253,7 +252,7 @@ def _first_fault(body: bytes, header: Header, file: str) -> str:
         where = f"{file}: line {number}: "
         if rows == header.frames:
             return f"{where}more rows than the {header.frames} that Frames: promises; correct that number"
-        bad = _first(words, lambda item: not _is_finite(item))
+        bad = next((word for word in words if not _is_number(word)), None)
         if bad is not None:
             word = bad[:40].decode("ascii", "replace")
             return f"{where}{word!r} is not a finite number; repair it or export anew"
@@ -263,12 +262,8 @@ def _first_fault(body: bytes, header: Header, file: str) -> str:
     return f"{file}: line {number}: the file ends after {rows} of {header.frames} frames; export it anew"
 
 
-def _first(words: list[bytes], test: Callable[[bytes], bool]) -> bytes | None:
-    return next((word for word in words if test(word)), None)
-
-
-def _is_finite(word: bytes) -> bool:
+def _is_number(word: bytes) -> bool:
     try:
-        return bool(np.isfinite(float(word)))
+        return abs(float(word)) < LARGEST
     except ValueError:
         return False

@@ -30,6 +30,8 @@ _FRAMES = re.compile(r"\s*Frames\s*:?\s*([-+.\w]+)[^\S\n]*", re.IGNORECASE)
 _FRAME_TIME = re.compile(r"\s*Frame[ \t_]*Time\s*:?\s*([-+.,\w]+)[^\S\n]*\n?", re.IGNORECASE)
 _BODY = re.compile(rb"[\s}]MOTION\s+Frames", re.IGNORECASE)
 _SPACE = re.compile(r"[ \t\r\n]*")
+LARGEST = 1e9
+"""No length, angle or count is larger, in whatever unit."""
 _CHANNEL = re.compile(r"([XYZ])(position|rotation)", re.IGNORECASE)
 
 
@@ -44,6 +46,8 @@ class Header:
     end_sites: list[list[float]] = field(default_factory=list[list[float]])
     end_parents: list[int] = field(default_factory=list[int])
     frames: int = 0
+    frames_line: int = 0
+    """The number of the line that says so."""
     frame_time: float = 0.0
     body: int = 0
     """Where in the bytes the rows start."""
@@ -196,7 +200,7 @@ class _Scanner:
             raise self.fault(f"Frames: {found[1]} is not a count; correct it", self.skip())
         if count == 0:
             raise self.fault("the file has no frames; export it anew", self.skip())
-        result.frames = int(count)
+        result.frames, result.frames_line = int(count), self.line(self.skip())
         self.at = found.end()
         found = _FRAME_TIME.match(self.text, self.at)
         if found is None:
@@ -216,7 +220,7 @@ class _Scanner:
             value = float(word)
         except ValueError:
             value = math.nan
-        if not math.isfinite(value):
+        if not abs(value) < LARGEST:
             raise self.fault(f"{word[:40]!r} is not a finite number; repair or export anew", start)
         return value
 

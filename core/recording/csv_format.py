@@ -13,7 +13,7 @@ from ..files import write_atomically
 from ..maths import quat
 from .mounts import DEVICE_MOUNTS
 from .raw import Format, RawRecording, Track
-from .recording import TRACKERS, Array, Mounts, Recording
+from .recording import GREATEST_EYE_HEIGHT, LARGEST, LEAST_EYE_HEIGHT, TRACKERS, Array, Mounts, Recording
 from .table import decode, read_columns
 
 _MAGIC = "# footwork-recording "
@@ -82,7 +82,7 @@ def read_csv(content: bytes, file: str) -> RawRecording:
         states_validity=True,
         name=fields["name"][1] if "name" in fields else "",
         mounts=_mounts(fields, file),
-        eye_height=_floats(fields, "eye_height", 1, file)[0] if "eye_height" in fields else None,
+        eye_height=_eye_height(fields, file) if "eye_height" in fields else None,
     )
 
 
@@ -117,6 +117,14 @@ def _floats(fields: dict[str, tuple[int, str]], key: str, count: int, file: str)
     return values
 
 
+def _eye_height(fields: dict[str, tuple[int, str]], file: str) -> float:
+    (height,) = _floats(fields, "eye_height", 1, file)
+    if not LEAST_EYE_HEIGHT <= height <= GREATEST_EYE_HEIGHT:
+        number = fields["eye_height"][0]
+        raise InputError(f"{file}: line {number}: eye height {height:g} m is no person's; correct it")
+    return height
+
+
 def _mounts(fields: dict[str, tuple[int, str]], file: str) -> Mounts:
     """The mounts that the comments state; those of real devices where they state none."""
     keys = [f"mount_{tracker}" for tracker in TRACKERS]
@@ -147,6 +155,9 @@ def _check_rows(times: Array, poses: Array, numbers: NDArray[np.intp], file: str
         length = np.linalg.norm(np.where(finite[:, None], pose[:, 3:], 1.0), axis=-1)
         advice = f"set {tracker}_valid to 0 where it was not tracked"
         faults[f"{tracker} has an empty or infinite value; {advice}"] = ok & ~finite
+        faults[f"{tracker} has a value past {LARGEST:g}; {advice}"] = (
+            ok & finite & ~(np.abs(pose) < LARGEST).all(-1)
+        )
         faults[f"{tracker} has a zero quaternion; {advice}"] = ok & (length < _SHORT)
     first = min(
         faults, key=lambda fault: int(np.argmax(faults[fault])) if faults[fault].any() else len(times)

@@ -7,11 +7,14 @@ from dataclasses import replace
 import numpy as np
 
 from ..errors import InputError
+from .happenings import clip, in_words
 from .recording import Recording
 
 
 def cut(recording: Recording, start: float, stop: float) -> Recording:
     """The samples from `start` to `stop` seconds, both included, with times from 0 again.
+
+    What happened outside is no longer among the doubts.
 
     Args:
         recording: at any rate.
@@ -28,8 +31,13 @@ def cut(recording: Recording, start: float, stop: float) -> Recording:
             " choose a longer part"
         )
     times = recording.times[kept]
+    told = in_words(recording.happenings, recording.times[-1])
+    happenings = clip(recording.happenings, times[0], times[-1])
+    others = [doubt for doubt in recording.doubts if doubt not in told]
     return replace(
         recording,
+        doubts=(*in_words(happenings, times[-1] - times[0]), *others),
+        happenings=happenings,
         times=times - times[0],
         positions=recording.positions[kept],
         rotations=recording.rotations[kept],

@@ -11,9 +11,10 @@ import numpy as np
 from ..errors import InputError
 from . import aframe, bsor, csv_format, layouts
 from .eye_height import calibrate, looking_ahead, put_down
+from .happenings import in_words
 from .mounts import DEVICE_MOUNTS
 from .raw import Format, RawRecording
-from .recording import TRACKERS, Recording
+from .recording import GREATEST_EYE_HEIGHT, LEAST_EYE_HEIGHT, TRACKERS, Happening, Recording
 from .repair import Repaired, repair
 
 
@@ -33,9 +34,8 @@ def read_recording(path: str | os.PathLike[str], eye_height: float | None = None
     Raises:
         InputError: a file that cannot be read, an unknown format, or a fault in it, with its place.
     """
-    if eye_height is not None and not 0.3 <= eye_height <= 3.0:
+    if eye_height is not None and not LEAST_EYE_HEIGHT <= eye_height <= GREATEST_EYE_HEIGHT:
         raise InputError(f"eye height {eye_height:g} m is no person's; give metres, such as 1.65")
-    file = Path(path).name
     try:
         content = Path(path).read_bytes()
     except OSError as error:
@@ -47,7 +47,7 @@ def read_recording(path: str | os.PathLike[str], eye_height: float | None = None
     if form is None:
         names = ", ".join(form.name for form in known)
         raise InputError(f"{path}: no known recording format; known are {names}")
-    raw = form.read(content, file)
+    raw = form.read(content, str(path))
     return to_recording(raw, str(path), hashlib.sha256(content).hexdigest(), eye_height)
 
 
@@ -63,7 +63,7 @@ def to_recording(raw: RawRecording, file: str, sha256: str, eye_height: float | 
     Raises:
         InputError: too few of the headset's samples are usable, or a pause is too long.
     """
-    return _finish(raw, repair(raw, Path(file).name), eye_height, file, sha256)
+    return _finish(raw, repair(raw, file), eye_height, file, sha256)
 
 
 def _finish(raw: RawRecording, repaired: Repaired, given: float | None, file: str, sha256: str) -> Recording:
@@ -71,11 +71,12 @@ def _finish(raw: RawRecording, repaired: Repaired, given: float | None, file: st
     samples = repaired.samples
     level = looking_ahead(samples, raw.mounts)
     calibration = calibrate(level, given, raw.eye_height, raw.on_floor)
-    doubts = [*repaired.doubts, *calibration.doubts]
+    happenings = repaired.happenings
     start = put_down(samples)
     if start is not None:
-        low = samples.positions[-1, 0, 2] + calibration.lift
-        doubts.append(f"headset lies still at {low:.2f} m from {start:.0f} s on: leave that out")
+        low = float(samples.positions[-1, 0, 2]) + calibration.lift
+        span = np.array([start]), samples.times[-1:]
+        happenings += (Happening("laid down", 0, *span, height=low),)
     length, shares = samples.times[-1], samples.valid.mean(axis=0)
     found = {
         **raw.found,
@@ -98,5 +99,6 @@ def _finish(raw: RawRecording, repaired: Repaired, given: float | None, file: st
         file=file,
         sha256=sha256,
         found=found,
-        doubts=tuple(doubts),
+        doubts=(*in_words(happenings, float(length)), *calibration.doubts),
+        happenings=happenings,
     )

@@ -17,6 +17,10 @@ Array = NDArray[np.floating[Any]]
 TRACKERS = ("head", "left", "right")
 TRACKER_ROLES = ("head", "hand.L", "hand.R")
 """The joint that each tracker is fixed to."""
+LARGEST = 1e4
+"""Metres: no tracker is farther away; larger numbers are none of a pose."""
+LEAST_EYE_HEIGHT, GREATEST_EYE_HEIGHT = 0.3, 3.0
+"""Metres: children and people on stilts are between."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,6 +35,21 @@ class Mounts:
     """`(3, 3)` metres from the joint to the device, in T-pose axes."""
     turns: Array
     """`(3, 4)` rotation of the device in T-pose."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Happening:
+    """Something that one tracker did, at known times."""
+
+    kind: str
+    """"lost", "jump", "still" or "laid down"."""
+    tracker: int
+    starts: Array
+    """`(K,)` seconds of the recording, rising."""
+    stops: Array
+    """`(K,)` seconds; a jump takes no time."""
+    height: float = 0.0
+    """Metres at which a headset was laid down."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,6 +73,9 @@ class Recording:
     found: dict[str, str]
     """What the reader decided, for people: format, rate, axes, eye height ... in order of printing."""
     doubts: tuple[str, ...]
+    """What a person should look at, a line each; those about `happenings` among them."""
+    happenings: tuple[Happening, ...] = ()
+    """What the doubts at known times are about."""
 
     def __len__(self) -> int:
         return len(self.times)

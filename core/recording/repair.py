@@ -9,23 +9,20 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..maths import quat
+from .happenings import NAMES
 from .interpolation import blend_positions, blend_rotations, neighbours
 from .raw import RawRecording, Track
-from .recording import Array
+from .recording import LARGEST, Array, Happening
 from .timeline import Samples, even_out, fill_pauses, join
 
-_NAMES = ("headset", "left controller", "right controller")
 _RATES = (2.0, 5000.0)
 _FROZEN_S = 0.5
-_LONG_FROZEN_S = 5.0
 _MOVED_M = 0.001
 _JUMP_SPEEDS = (10.0, 40.0, 40.0)
 """m/s that head and hands do not reach: a fast punch is 15, a swung wand's end 30."""
 _GLITCH_S = 0.5
 _DRIFT_S = 0.15
 """A controller that jumps was lost for about this long before."""
-_JUMP_ADVICE = ("recentred? use one side of it only", "lost and found again, bridged")
-_DOUBTFUL_SHARE = 0.02
 _AT_THE_HIP = np.array([[-0.22, 0.10, -0.75], [0.22, 0.10, -0.75]])
 """Metres from the headset, in its heading, to a hand that hangs down with the elbow a little bent."""
 
@@ -36,7 +33,7 @@ class Repaired:
 
     samples: Samples
     repairs: tuple[str, ...]
-    doubts: tuple[str, ...]
+    happenings: tuple[Happening, ...]
 
 
 def repair(raw: RawRecording, file: str) -> Repaired:
@@ -67,53 +64,62 @@ def repair(raw: RawRecording, file: str) -> Repaired:
     repairs += [note for note in (jitter, pauses) if note]
     samples, frozen, still = _mark_frozen(samples, raw.states_validity)
     samples, glitches, jumps = _mark_jumps(samples)
-    return Repaired(_bridge(samples), (*repairs, *frozen, *glitches), (*still, *jumps, *_losses(samples)))
+    return Repaired(
+        _bridge(samples),
+        (*repairs, *frozen, *glitches),
+        (*still, *jumps, *_happenings("lost", samples, ~samples.valid)),
+    )
 
 
 def _told(notes: list[str]) -> list[str]:
     """Notes on the three trackers, "" for none, each with its tracker's name."""
     if notes[0] and notes.count(notes[0]) == len(notes):
         return [f"all trackers: {notes[0]}"]
-    return [f"{name}: {note}" for name, note in zip(_NAMES, notes, strict=True) if note]
+    return [f"{name}: {note}" for name, note in zip(NAMES, notes, strict=True) if note]
 
 
-def _mark_frozen(samples: Samples, believe: bool) -> tuple[Samples, list[str], list[str]]:
-    """The samples without sleeping trackers' ones; lines on repairs and on doubts.
+def _mark_frozen(samples: Samples, believe: bool) -> tuple[Samples, list[str], list[Happening]]:
+    """The samples without sleeping trackers' ones, lines on repairs, and what is only doubted.
 
     Args:
         samples: all trackers.
         believe: whether the file tells itself when a tracker slept; then a still one is only doubted.
     """
-    flags = np.stack([_frozen(samples, i) for i in range(len(_NAMES))], axis=1)
-    seconds = [_seconds(samples, column) for column in flags.T]
+    flags = np.stack([_frozen(samples, i) for i in range(len(NAMES))], axis=1)
     if believe:
-        still = [
-            f"{name} stands exactly still for {stood:.1f} s: if it slept, set its valid column to 0"
-            for name, stood in zip(_NAMES, seconds, strict=True)
-            if stood > _LONG_FROZEN_S
-        ]
-        return samples, [], still
+        return samples, [], _happenings("still", samples, flags)
+    seconds = [_seconds(samples, column) for column in flags.T]
     notes = [f"{stood:.2f} s frozen, asleep or out of sight" if stood else "" for stood in seconds]
     return replace(samples, valid=samples.valid & ~flags), _told(notes), []
 
 
-def _mark_jumps(samples: Samples) -> tuple[Samples, list[str], list[str]]:
-    """The samples without those off the path and before jumps for good; lines on repairs and on doubts."""
+def _mark_jumps(samples: Samples) -> tuple[Samples, list[str], list[Happening]]:
+    """The samples without those off the path and before jumps for good, lines on repairs, and the jumps."""
     notes: list[str] = []
-    doubts: list[str] = []
+    happenings: list[Happening] = []
     valid = samples.valid.copy()
-    for i, name in enumerate(_NAMES):
+    for i in range(len(NAMES)):
         glitches, jumps = _jumps(samples, i)
         notes.append(f"{_seconds(samples, glitches):.2f} s off its path" if glitches.any() else "")
+        times = samples.times[jumps]
         if len(jumps):
-            first = samples.times[jumps[0]]
-            times = "once" if len(jumps) == 1 else f"{len(jumps)} times"
-            doubts.append(f"{name} jumps {times}, first at {first:.2f} s: {_JUMP_ADVICE[i > 0]}")
+            happenings.append(Happening("jump", i, times, times))
         valid[glitches, i] = False
         if i > 0:
-            for end in samples.times[jumps]:
+            for end in times:
                 valid[(samples.times > end - _DRIFT_S) & (samples.times <= end), i] = False
-    return replace(samples, valid=valid), _told(notes), doubts
+    return replace(samples, valid=valid), _told(notes), happenings
+
+
+def _happenings(kind: str, samples: Samples, flags: NDArray[np.bool_]) -> list[Happening]:
+    """One for each tracker with flagged samples; each of these lasts until the next one."""
+    ends = np.append(samples.times[1:], samples.times[-1] + np.median(np.diff(samples.times)))
+    runs = [_runs(column) for column in flags.T]
+    return [
+        Happening(kind, i, samples.times[firsts], ends[lasts])
+        for i, (firsts, lasts) in enumerate(runs)
+        if len(firsts)
+    ]
 
 
 def _samples(count: int) -> str:
@@ -130,8 +136,8 @@ def _in_order(track: Track) -> Track:
 
 def _usable(track: Track) -> Track:
     """Unit rotations, finite values; not valid where the file has no pose or zeros for one."""
-    # a sum is finite only where all its terms are; poses are far too small to overflow
-    finite = np.isfinite(track.positions.sum(axis=-1) + track.rotations.sum(axis=-1))
+    # comparisons with NaN are false
+    finite = np.asarray((np.abs(np.c_[track.positions, track.rotations]) < LARGEST).all(axis=-1))
     rotations = np.where(finite[:, None], track.rotations, 0.0)
     positions = np.where(finite[:, None], track.positions, 0.0)
     turned = np.linalg.norm(rotations, axis=-1) > 0.1
@@ -156,7 +162,7 @@ def _frozen(samples: Samples, i: int) -> NDArray[np.bool_]:
     valid = samples.valid
     same = np.r_[False, (positions[1:, i] == positions[:-1, i]).all(axis=-1)] & valid[:, i]
     same[1:] &= valid[:-1, i]
-    others = [j for j in range(len(_NAMES)) if j != i]
+    others = [j for j in range(len(NAMES)) if j != i]
     out = np.zeros(len(times), dtype=np.bool_)
     for first, last in zip(*_runs(same), strict=True):
         if times[last] - times[first - 1] < _FROZEN_S:
@@ -192,18 +198,6 @@ def _jumps(samples: Samples, i: int) -> tuple[NDArray[np.bool_], NDArray[np.intp
     return glitches, np.array(for_good, dtype=np.intp)
 
 
-def _losses(samples: Samples) -> list[str]:
-    """A line for each tracker that was gone for long."""
-    length = samples.times[-1]
-    lines: list[str] = []
-    for name, valid in zip(_NAMES, samples.valid.T, strict=True):
-        if not valid.any():
-            lines.append(f"{name} never tracked: its arm follows the matched motion")
-        elif (~valid).mean() > _DOUBTFUL_SHARE:
-            lines.append(f"{name} not tracked for {_seconds(samples, ~valid):.1f} of {length:.1f} s")
-    return lines
-
-
 def _bridge(samples: Samples) -> Samples:
     """Values where a tracker is not valid: on the line between its neighbours, for hands from the headset.
 
@@ -212,7 +206,7 @@ def _bridge(samples: Samples) -> Samples:
     """
     times, valid = samples.times, samples.valid
     positions, rotations = samples.positions.copy(), samples.rotations.copy()
-    for i in range(len(_NAMES)):
+    for i in range(len(NAMES)):
         base = positions[:, 0] if i else np.zeros((len(times), 3))
         known, lost = np.flatnonzero(valid[:, i]), np.flatnonzero(~valid[:, i])
         if len(lost) == 0:

@@ -3,6 +3,7 @@ from __future__ import annotations
 import hashlib
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from footwork.core import VERSION
 from footwork.core.database.build import build_database
 from footwork.core.database.clips import Exclusion
 from footwork.core.database.motion_database import MotionDatabase
+from footwork.core.database.sidecar import save_database
 from footwork.core.errors import InputError
 from footwork.core.jobs import run
 from footwork.core.mocap.demo import demo_motion
@@ -40,13 +42,25 @@ def test_clip_table_and_progress(as_take) -> None:
         ("turn", 0, 840),
         ("sidestep", 840, 1710),
     ]
-    assert [clip.file for clip in database.clips] == [take.file for take in takes]
+    assert [clip.file for clip in database.clips] == [Path(take.file).name for take in takes]
     assert [clip.sha256 for clip in database.clips] == [take.sha256 for take in takes]
     assert steps == sorted(steps)
     assert 0.0 <= steps[0] <= steps[-1] <= 1.0
     assert (database.name, database.tags, len(database)) == ("two", ("a",), 1710)
     invalid = np.flatnonzero(~database.features.trajectory_valid)
     np.testing.assert_array_equal(invalid, [*range(780, 840), *range(1650, 1710)])
+
+
+def test_folders_of_the_takes_do_not_matter(as_take, tmp_path) -> None:
+    take = as_take(demo_motion("turn"), "turn")
+    for i, folder in enumerate(("/home/a/", "C:\\Users\\b\\")):
+        file = f"{folder}turn.bvh"
+        job = build_database(
+            [replace(take, file=file)], DatabaseSettings(), name="a", exclude=[Exclusion(file, 0.0, 1.0)]
+        )
+        save_database(tmp_path / f"{i}.npz", run(job))
+    assert (tmp_path / "0.npz").read_bytes() == (tmp_path / "1.npz").read_bytes()
+    assert b"/home/" not in (tmp_path / "0.npz").read_bytes()
 
 
 def test_eye_height_is_the_head_joints_of_a_body_at_ease(as_take) -> None:

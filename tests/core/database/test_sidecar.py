@@ -166,7 +166,9 @@ def test_faults(saved: Path, tmp_path: Path, case: str) -> None:
     arrays = arrays_of(saved)
     change(arrays)
     np.savez(tmp_path / "a.npz", **arrays)
-    assert words in fault(tmp_path / "a.npz")
+    said = fault(tmp_path / "a.npz")
+    assert words in said
+    assert said.count("a.npz") == 1 and said.count("; ") == 1
 
 
 def test_no_npz(tmp_path: Path) -> None:

@@ -93,6 +93,8 @@ FAULTS = {
     "joint without parent": (with_line(2, "JOINT Hips"), 2, "outside"),
     "second root": (with_line(16, "ROOT Other"), 16, "second ROOT"),
     "no joints": ("HIERARCHY\nMOTION\nFrames: 1\nFrame Time: 0.1\n", 2, "without joints"),
+    "out of all bounds": (with_line(20, "1 2 3 4 1e300 6 7 8 9"), 20, "'1e300'"),
+    "offset out of all bounds": (with_line(8, "OFFSET 0 -1e40 0"), 8, "'-1e40'"),
     "stray words": (with_line(8, "OFFSET 0 10 0 0"), 8, "'0'"),
 }
 
@@ -140,7 +142,7 @@ def test_huge_noise_after_a_good_start_is_refused(tmp_path: Path):
     path = tmp_path / "noise.bvh"
     for start, words in [
         ("HIERARCHY\n", "not expected here"),
-        (VALID, "bytes are too many for the 3 frames"),
+        (VALID, "line 17: .* bytes are too many for the 3 frames"),
     ]:
         with path.open("wb") as file:
             file.write(start.encode())

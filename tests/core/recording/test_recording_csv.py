@@ -136,6 +136,8 @@ def drop_table(lines: list[str]) -> None:
         (replace_line("# footwork", "# footwork-recording 2"), r"line 1: version 2 is newer"),
         (replace_line("# footwork", "# footwork-recording one"), r"line 1: the format's version is 'one'"),
         (replace_line("# eye_height", "# eye_height: tall"), r"line 3: eye_height is 'tall'"),
+        (replace_line("# eye_height", "# eye_height: -1.6"), r"line 3: eye height -1.6 m is no person's"),
+        (set_cell(4, "left_py", "1e30"), r"line 12: left has a value past 10000"),
         (replace_line("# mount_left", "# mount_left: 0 0 0"), r"line 5: mount_left is '0 0 0', not 7"),
         (replace_line("# mount_left", "# mount_left: 0 0 0 0 0 0 0"), r"line 5: mount_left's rotation"),
         (replace_line("# mount_left", "#"), r"no mount_left beside the other mounts"),
@@ -148,7 +150,7 @@ def test_faults_are_named_by_their_line(tmp_path: Path, lines: list[str], edit: 
     with pytest.raises(InputError, match=message) as raised:
         read_recording(tmp_path / "bad.csv")
     assert "\n" not in str(raised.value)
-    assert str(raised.value).startswith("bad.csv: ")
+    assert str(raised.value).startswith(f"{tmp_path / 'bad.csv'}: ")
 
 
 def test_the_first_fault_is_named(tmp_path: Path, lines: list[str]) -> None:
