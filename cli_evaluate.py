@@ -26,7 +26,7 @@ same body, and the result is compared with the take. Definitions of all metrics:
 
   footwork evaluate visitor.bvh --database walk.npz --in-blender -o report
   footwork evaluate v*.bvh --database walk.npz --experiment positional-error --experiment coverage -o report
-  footwork evaluate v*.bvh --database walk.npz --fail-if "foot_skate_cm_s.mean > 2" --against report/report.json
+  footwork evaluate v*.bvh --database walk.npz --fail-if "foot_skate_cm_s.mean > 2" --against baseline.json
 
 Exit codes: 0 done, 2 bad usage or bad input, 3 a limit of --fail-if is passed, 1 a bug of ours.
 """
@@ -112,7 +112,7 @@ def evaluate(options: argparse.Namespace) -> Report:
     old = read_report(options.against) if options.against else None
     names = list(EXPERIMENTS) if "all" in options.experiment else list(dict.fromkeys(options.experiment))
     show = blender_show() if options.in_blender else None
-    folder = make_folder(options.output)
+    folder = report_folder(options.output)
     databases = cli.load_databases(options.database)
     takes = cli.load_takes(options.takes, databases[0].fps)
     first = options.predictor[0] if options.predictor else None
@@ -215,7 +215,7 @@ def train_paper_networks(options: argparse.Namespace, folder: Path | None) -> li
             settings = TrainSettings(
                 kind="paper", iterations=iterations, time_limit=options.train_time, keep_worse=True
             )
-            target = (folder or Path(temporary)) / f"r{iterations}.npz"
+            target = (make(folder) if folder else Path(temporary)) / f"r{iterations}.npz"
             cli.run(train_predictor(takes, settings, target))
             out.append((target.stem, load_predictor(target)))
     return out
@@ -232,15 +232,22 @@ def blender_show() -> Any:
     return show_bake
 
 
-def make_folder(path: str | None) -> Path | None:
-    """The folder for the report, made where it is missing."""
+def report_folder(path: str | None) -> Path | None:
+    """The folder for the report, which is made when there is something to write."""
     if path is None:
         return None
     folder = Path(path)
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"{path}: is a file; give a folder for the report")
+    return folder
+
+
+def make(folder: Path) -> Path:
+    """The folder, made where it is missing."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise InputError(f"{path}: cannot be made ({error.strerror}); choose another folder") from error
+        raise InputError(f"{folder}: cannot be made ({error.strerror}); choose another folder") from error
     return folder
 
 
@@ -248,6 +255,7 @@ def write_folder(folder: Path, report: Report, plots: dict[str, list[Any]]) -> N
     """The page, the report and the figures; without matplotlib the page has tables alone."""
     from .core.evaluation.page import page
 
+    make(folder)
     figures: dict[str, list[tuple[str, bytes]]] = {}
     notes: list[str] = []
     try:

@@ -1,7 +1,8 @@
 """Speed and memory, each beside what a user would otherwise use, in one run.
 
-Takes come from the data folder (see tests/conftest.py) where it is there, else from the procedural demo. Times are
-medians; what counts is the ratio in a line, since machines differ and are shared.
+Every line is measured in a process of its own (`bench_cases.py`), on one core, in processor time: what else the
+machine does then matters little. Still only the ratios in a table compare between machines. Takes come from the
+data folder (see tests/conftest.py) where it is there, else from the procedural demo.
 """
 
 from __future__ import annotations
@@ -9,13 +10,11 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import statistics
 import subprocess
 import sys
 import tempfile
-import textwrap
 import time
-from collections.abc import Callable
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -23,193 +22,223 @@ from typing import Any
 for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[variable] = "1"
 
-import numpy as np
 from footwork.core import jobs
 from footwork.core.database.build import build_database
-from footwork.core.database.motion_database import MotionDatabase
-from footwork.core.mocap.bvh import read_bvh, write_bvh
-from footwork.core.mocap.demo import demo_motion
+from footwork.core.database.sidecar import save_database
+from footwork.core.mocap.bvh import write_bvh
+from footwork.core.mocap.demo import SCRIPTS, demo_motion
 from footwork.core.mocap.export import to_bvh
 from footwork.core.mocap.takes import load_take
-from footwork.core.pipeline import bake
-from footwork.core.recording.simulate import simulate_recording
-from footwork.core.settings import BakeSettings, DatabaseSettings
-from footwork.nn.predictor import predict_yaw, shipped_predictor
+from footwork.core.settings import DatabaseSettings
 
 DATA = Path(os.environ.get("FOOTWORK_DATA", Path(__file__).parents[2] / "shared" / "data"))
-Row = tuple[str, float, str]
+CASES = Path(__file__).with_name("bench_cases.py")
+LIMIT_S = 600.0
 
 
-def median_s(work: Callable[[], Any], runs: int = 5) -> float:
-    """Median seconds of `runs` calls."""
-    times = []
-    for _ in range(runs):
-        start = time.perf_counter()
-        work()
-        times.append(time.perf_counter() - start)
-    return statistics.median(times)
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One line of a table."""
+
+    what: str
+    seconds: float | None
+    """Processor time; None where it could not be measured."""
+    peak_mb: float
+    ratio: str
+    """In words: times the first line of the table, or times real time."""
 
 
-def in_blender(script: str, *arguments: str, limit_s: float = 600.0) -> float:
-    """Run a script that prints seconds as its last line, in a process of its own with bpy."""
-    done = subprocess.run(
-        [sys.executable, "-c", textwrap.dedent(script), *arguments],
-        capture_output=True,
-        text=True,
-        timeout=limit_s,
-        check=False,
+@dataclass(frozen=True, slots=True)
+class Table:
+    """Lines that belong together; `bar` is what the design asks for."""
+
+    title: str
+    rows: list[Row]
+    bar: str = ""
+
+
+def case(name: str, *arguments: object) -> dict[str, Any]:
+    """Run one case in a process of its own; `{"seconds", "peak_mb", ...}`, or `{"missing": why}`."""
+    command = [sys.executable, str(CASES), name, *map(str, arguments)]
+    print(f"  {name} {' '.join(Path(str(a)).name for a in arguments)}", file=sys.stderr, flush=True)
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT_S, check=False)
+    except subprocess.TimeoutExpired:
+        return {"missing": f"not done after {LIMIT_S:.0f} s"}
+    answers = [line for line in done.stdout.splitlines() if line.startswith("{")]
+    if not answers:
+        sys.exit(f"bench case {name} failed:\n{done.stderr[-3000:]}")
+    return json.loads(answers[-1])
+
+
+def beside(title: str, cases: dict[str, dict[str, Any]], bar: str = "") -> Table:
+    """A table whose ratios are to its first line."""
+    first = next(iter(cases.values()))["seconds"]
+    rows: list[Row] = []
+    for what, found in cases.items():
+        if "missing" in found:
+            rows.append(Row(what, None, 0.0, found["missing"]))
+        else:
+            rows.append(Row(what, found["seconds"], found["peak_mb"], f"{found['seconds'] / first:.2f}"))
+    return Table(title, rows, bar)
+
+
+def real_time(title: str, cases: dict[str, dict[str, Any]], bar: str = "") -> Table:
+    """A table whose ratios are to the recorded time."""
+    rows = [
+        Row(
+            what,
+            found["seconds"],
+            found["peak_mb"],
+            f"{found['recorded'] / found['seconds']:.0f} x real time{found.get('note', '')}",
+        )
+        for what, found in cases.items()
+    ]
+    return Table(title, rows, bar)
+
+
+def prepare(folder: Path) -> tuple[list[Path], Path, Path]:
+    """Takes for a database, a take to read, and the user's take."""
+    if DATA.is_dir():
+        takes = DATA / "takes"
+        return (
+            sorted((takes / "lafan1").glob("*subject[12]*.bvh")),
+            takes / "xsens/JL_mm_run.bvh",
+            takes / "fubot_vr/spacepiratetrainer_0.bvh",
+        )
+    paths: list[Path] = []
+    for seed, script in enumerate(SCRIPTS):
+        paths.append(folder / f"{script}.bvh")
+        write_bvh(paths[-1], to_bvh(demo_motion(script, seed), script))
+    return paths[:-1], paths[0], paths[-1]
+
+
+def run(folder: Path, quick: bool) -> list[Table]:
+    """All tables."""
+    takes, read, user = prepare(folder)
+    database = folder / "database.npz"
+    loaded = [load_take(path, 60.0) for path in takes]
+    save_database(database, jobs.run(build_database(loaded, DatabaseSettings(mirror=True), name="bench")))
+    frames = sum(len(take.motion) for take in loaded) * 2
+    del loaded
+
+    tables = [
+        beside(
+            f"Reading {read.name}",
+            {
+                "Footwork: read BVH": case("read", read),
+                "Footwork: read, find roles, T-pose, floor": case("load", read),
+                "upc-pymotion: read BVH": case("pymotion", read),
+                "Blender: import BVH": case("blender-import", read),
+            },
+        ),
+        real_time(
+            f"Building a database from BVH text ({len(takes)} takes, mirrored)",
+            {f"{frames / 1000:.0f} k frames": case("build", *takes)},
+            "at least 100 x real time",
+        ),
+    ]
+    for size in (25_000, 100_000) if quick else (25_000, 100_000, 250_000, 1_000_000):
+        tables.append(
+            beside(
+                f"One exact search in {size // 1000} k frames",
+                {
+                    "Footwork": case("search", "ours", database, size),
+                    "differences of all frames (numpy)": case("search", "differences", database, size),
+                    "scipy cKDTree": case("search", "scipy", database, size),
+                    "scikit-learn KDTree": case("search", "kdtree", database, size),
+                    "scikit-learn BallTree": case("search", "balltree", database, size),
+                },
+            )
+        )
+    lengths = (1, 5) if quick else (1, 5, 15, 60)
+    sizes = (25_000,) if quick else (25_000, 216_000, 500_000)
+    rigs = (200,) if quick else (65, 200, 500)
+
+    def bake(how: str, minutes: int, size: int = 0, bones: int = 0) -> dict[str, Any]:
+        return case("bake", how, database, user, minutes, size, bones)
+
+    for how, bar in (("greedy", 300), ("path", 20)):
+        tables += [
+            real_time(
+                f"Bake with {how} search, before writing keys, by length of the recording",
+                {f"{minutes} min": bake(how, minutes) for minutes in lengths},
+                f"at least {bar} x real time",
+            ),
+            real_time(
+                f"Bake of 5 min with {how} search, by size of the database",
+                {f"{size // 1000} k frames": bake(how, 5, size) for size in sizes},
+            ),
+        ]
+    tables.append(
+        real_time(
+            "Greedy bake of 5 min, by number of bones of the rig",
+            {f"{bones} bones": bake("greedy", 5, 0, bones) for bones in rigs},
+        )
     )
-    lines = [line for line in done.stdout.splitlines() if line.startswith("seconds ")]
-    if not lines:
-        sys.exit(f"the Blender part of the bench failed:\n{done.stderr[-2000:]}")
-    return float(lines[-1].split()[1])
+    if not quick:
+        hour = {
+            f"1 h recorded, 1 h in the database (216 k frames), {how}": bake(how, 60, 216_000)
+            for how in ("greedy", "path")
+        }
+        tables.append(real_time("An hour with an hour", hour, "less than 4096 MB"))
+    tables.append(
+        beside(
+            "Writing keys of 22 bones",
+            {
+                "Footwork: 5 min at 60 fps, 18000 frames": case("write", "bulk", 18_000, 22),
+                "Footwork: 1000 frames": case("write", "bulk", 1000, 22),
+                "keyframe_insert: 1000 frames": case("write", "insert", 1000, 22),
+                "keyframe_insert: 200 frames": case("write", "insert", 200, 22),
+            },
+            "5 min in less than 1 s",
+        )
+    )
+    tables.append(
+        beside(
+            "Writing keys of 5 min at 60 fps, by number of keyed bones",
+            {f"{bones} bones": case("write", "bulk", 18_000, bones) for bones in (22, 44, 88)},
+        )
+    )
+    return tables
 
 
-IMPORT_BVH = """
-    import os, sys, time, bpy
-    times = []
-    for _ in range(3):
-        bpy.ops.wm.read_factory_settings(use_empty=True)
-        start = time.perf_counter()
-        bpy.ops.import_anim.bvh(filepath=sys.argv[1])
-        times.append(time.perf_counter() - start)
-    print("seconds", sorted(times)[1], flush=True)
-    os._exit(0)
-"""
-
-WRITE_KEYS = """
-    import os, sys, time, bpy, numpy as np
-    from footwork.bridge.action import write_action
-    from footwork.bridge.armature import create_armature
-    from footwork.core.mocap.demo import demo_skeleton
-    from footwork.core.rig.armature import rig_from_skeleton
-    from footwork.core.rig.rig import BoneTracks
-    how, frames = sys.argv[1], int(sys.argv[2])
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    rig = rig_from_skeleton(demo_skeleton(), "Bench")
-    obj = create_armature(rig, "Bench", bpy.context.scene.collection)
-    rotations = np.random.default_rng(0).normal(size=(frames, 22, 4)) + [4, 0, 0, 0]
-    rotations /= np.linalg.norm(rotations, axis=-1, keepdims=True)
-    tracks = BoneTracks(rig.bones[:22], 60.0, np.zeros((frames, 3)), rotations)
-    start = time.perf_counter()
-    if how == "bulk":
-        write_action(obj, tracks, "Bench", fps=60.0)
-    else:
-        for frame in range(frames):
-            for bone, rotation in zip(tracks.bones, rotations[frame]):
-                obj.pose.bones[bone].rotation_quaternion = rotation
-                obj.pose.bones[bone].keyframe_insert("rotation_quaternion", frame=frame)
-    print("seconds", time.perf_counter() - start, flush=True)
-    os._exit(0)
-"""
-
-
-def bench_reading(take: Path) -> list[Row]:
-    """BVH text to arrays: ours, upc-pymotion, Blender's importer."""
-    from pymotion.io.bvh import BVH
-
-    ours = median_s(lambda: read_bvh(take))
-    whole = median_s(lambda: load_take(take))
-    pymotion = median_s(lambda: BVH().load(str(take)), 3)
-    blender = in_blender(IMPORT_BVH, str(take))
-    return [
-        ("read BVH: Footwork", ours, "1"),
-        ("read BVH and find roles, T-pose, floor: Footwork", whole, f"{whole / ours:.1f}"),
-        ("read BVH: upc-pymotion", pymotion, f"{pymotion / ours:.1f}"),
-        ("import BVH: Blender", blender, f"{blender / ours:.1f}"),
-    ]
-
-
-def make_database(paths: list[Path]) -> tuple[MotionDatabase, float]:
-    """A mirrored database from takes on disk, and the seconds it took from BVH text."""
-    start = time.perf_counter()
-    takes = [load_take(path, 60.0) for path in paths]
-    database = jobs.run(build_database(takes, DatabaseSettings(mirror=True), name="bench"))
-    return database, time.perf_counter() - start
-
-
-def bench_search(database: MotionDatabase) -> list[Row]:
-    """One exact search: ours, plain differences, scipy's tree."""
-    from footwork.core.matching.search import feature_weights, make_search
-    from scipy.spatial import cKDTree
-
-    weights = feature_weights(BakeSettings())
-    search = make_search(database.features, weights)
-    values = np.asarray(database.features.values)
-    rows = np.flatnonzero(database.features.trajectory_valid)
-    rng = np.random.default_rng(0)
-    queries = values[rng.choice(rows, 200)] + 0.3 * rng.normal(size=(200, values.shape[1])).astype(np.float32)
-    scaled = values[rows] * np.sqrt(weights).astype(np.float32)
-    tree = cKDTree(scaled)
-
-    def brute() -> None:
-        for query in queries:
-            int(np.argmin(np.sum((scaled - query * np.sqrt(weights)) ** 2, axis=-1)))
-
-    ours = median_s(lambda: [search.nearest(query) for query in queries], 3) / len(queries)
-    plain = median_s(brute, 1) / len(queries)
-    scipy = median_s(lambda: [tree.query(q * np.sqrt(weights)) for q in queries], 3) / len(queries)
-    size = f"{len(database) / 1000:.0f} k frames"
-    return [
-        (f"one search in {size}: Footwork", ours, "1"),
-        (f"one search in {size}: differences", plain, f"{plain / ours:.1f}"),
-        (f"one search in {size}: scipy cKDTree", scipy, f"{scipy / ours:.1f}"),
-    ]
+def as_markdown(tables: list[Table]) -> str:
+    """The tables for docs/performance.md."""
+    lines: list[str] = []
+    for table in tables:
+        lines += [f"### {table.title}", ""]
+        if table.bar:
+            lines += [f"The bar: {table.bar}.", ""]
+        lines += ["| | seconds | peak MB | ratio |", "|---|---|---|---|"]
+        for row in table.rows:
+            seconds = "" if row.seconds is None else f"{row.seconds:.3g}"
+            peak = f"{row.peak_mb:.0f}" if row.peak_mb else ""
+            lines.append(f"| {row.what} | {seconds} | {peak} | {row.ratio} |")
+        lines.append("")
+    return "\n".join(lines)
 
 
 def main() -> None:
-    """Run every bench and print the table."""
+    """Run every bench and print the tables."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--json", type=Path, help="also write the table here")
+    parser.add_argument("--json", type=Path, help="also write the tables here")
+    parser.add_argument("--markdown", type=Path, help="and here as Markdown")
+    parser.add_argument("--quick", action="store_true", help="small sizes only, a few minutes")
     options = parser.parse_args()
+    began = time.monotonic()
     with tempfile.TemporaryDirectory() as folder:
-        rows = run(Path(folder))
-    width = max(len(row[0]) for row in rows)
-    for name, seconds, ratio in rows:
-        print(f"{name:<{width}}  {seconds * 1000:12.2f} ms  {ratio:>12}")
+        tables = run(Path(folder), options.quick)
+    for table in tables:
+        print(f"\n{table.title}" + (f" (the bar: {table.bar})" if table.bar else ""))
+        for row in table.rows:
+            seconds = "-" if row.seconds is None else f"{row.seconds * 1000:.2f} ms"
+            print(f"  {row.what:<46}{seconds:>16}{row.peak_mb:>9.0f} MB   {row.ratio}")
+    print(f"\n{time.monotonic() - began:.0f} s")
     if options.json:
-        options.json.write_text(json.dumps([{"what": n, "s": s, "ratio": r} for n, s, r in rows], indent=2))
-    sys.stdout.flush()
-    os._exit(0)
-
-
-def run(folder: Path) -> list[Row]:
-    """All benches, a row each: what, seconds, ratio."""
-    if DATA.is_dir():
-        takes = sorted((DATA / "takes/lafan1").glob("*subject[12]*walk*.bvh"))
-        long, user = DATA / "takes/xsens/JL_mm_run.bvh", DATA / "takes/xsens/JL_mm_run.bvh"
-    else:
-        takes = []
-        for seed, script in enumerate(("walk", "turn", "sidestep", "visit")):
-            takes.append(folder / f"{script}.bvh")
-            write_bvh(takes[-1], to_bvh(demo_motion(script, seed), script))
-        long = user = takes[0]
-    rows = bench_reading(long)
-    database, seconds = make_database(takes)
-    recorded = (
-        sum(len(load_take(path)) / load_take(path).fps for path in ()) + len(database) / 2 / database.fps
-    )
-    rows.append((f"build database of {recorded:.0f} s", seconds, f"{recorded / seconds:.0f} x real time"))
-    rows += bench_search(database)
-
-    recording = simulate_recording(load_take(user, 60.0).motion, "user")
-    predictor = shipped_predictor()
-    start = time.perf_counter()
-    jobs.run(bake(recording, [database], lambda r: predict_yaw(predictor, r), None, BakeSettings()))
-    seconds = time.perf_counter() - start
-    rows.append(
-        (
-            f"greedy bake of {recording.times[-1]:.0f} s",
-            seconds,
-            f"{recording.times[-1] / seconds:.0f} x real time",
-        )
-    )
-
-    bulk = in_blender(WRITE_KEYS, "bulk", "18000")
-    few = in_blender(WRITE_KEYS, "insert", "600")
-    rows.append(("write 5 min at 60 fps to 22 bones", bulk, "1"))
-    rows.append(("keyframe_insert of 10 s alone", few, f"{few / bulk:.1f}"))
-    return rows
+        options.json.write_text(json.dumps([asdict(table) for table in tables], indent=2))
+    if options.markdown:
+        options.markdown.write_text(as_markdown(tables))
 
 
 if __name__ == "__main__":

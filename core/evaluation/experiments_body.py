@@ -128,7 +128,8 @@ def leg_bend(study: Study) -> Job[Experiment]:
             low, high = _means(run, bent), _means(run, [~part for part in bent])
             played = np.concatenate([p.database for p in run.playbacks])
             switches = sum(int(np.count_nonzero(np.diff(p.database))) for p in run.playbacks)
-            share = float(np.mean(played != standing)) if which == "all" else 0.0
+            others = np.count_nonzero(played - standing) if which == "all" else 0
+            share = others / len(played)
             rows.append([mode, name, *low.values(), *high.values(), share, switches])
             knees.append(low["knee_error_deg"])
         claim = f"databases of bent legs bring the knees of bent legs nearer to the truth, {mode}"

@@ -120,11 +120,12 @@ class Runs:
 def as_paper(settings: BakeSettings) -> BakeSettings:
     """The paper's search and nothing after it: the matched motion alone is judged.
 
-    Causal trajectory under springs, towards the centre of the head; no head or hands at the trackers, no foot
-    lock. What else is set stays.
+    Greedy search along a causal trajectory under springs, towards the centre of the head; no head or hands at
+    the trackers, no foot lock. What else is set stays.
     """
     return replace(
         settings,
+        search="greedy",
         trajectory="causal",
         smoothing="spring",
         target="head",

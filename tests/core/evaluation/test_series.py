@@ -1,0 +1,40 @@
+"""Metrics over time and pooled over takes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from footwork.core.evaluation.metrics import Values, pool, summarise
+from footwork.core.evaluation.series import series, stretch_means
+
+
+def values(own: dict[str, list], floor: dict[str, list] | None = None, poses: list | None = None) -> Values:
+    def arrays(side: dict[str, list]) -> dict[str, np.ndarray]:
+        return {name: np.array(rows, dtype=float) for name, rows in side.items()}
+
+    return Values(2.0, arrays(own), arrays(floor or {}), np.array(poses or [[0, 0]], dtype=np.intp))
+
+
+def test_means_of_stretches_leave_out_what_does_not_count() -> None:
+    rows = np.array([[1.0, 3.0], [np.nan, 5.0], [np.nan, np.nan], [np.nan, np.nan], [7.0, np.nan]])
+    np.testing.assert_allclose(stretch_means(rows, 2), [3.0, np.nan, 7.0])
+
+
+def test_series_have_a_value_for_each_second_or_none() -> None:
+    made = series(
+        values({"root_error_cm": [1, 2, 3, 4, 9], "foot_skate_cm_s": [np.nan] * 4, "pose_jump": [1]})
+    )
+    assert made == {"step_s": 1.0, "root_error_cm": [1.5, 3.5, 9.0], "foot_skate_cm_s": [None, None]}
+
+
+def test_pooled_takes_count_by_their_length() -> None:
+    short = values({"root_error_cm": [10.0], "jitter": [1.0]}, {"root_error_cm": [1.0]}, [[0, 5], [0, 6]])
+    long = values(
+        {"root_error_cm": [1.0] * 9, "jitter": [3.0]}, {"root_error_cm": [0.0] * 3}, [[0, 6], [1, 6]]
+    )
+    metrics = summarise(pool([short, long]))
+    assert metrics["root_error_cm"]["mean"] == pytest.approx(1.9)
+    assert metrics["root_error_cm"]["max"] == 10.0 and metrics["root_error_cm"]["count"] == 10
+    assert metrics["root_error_cm"]["floor"]["mean"] == pytest.approx(0.25)
+    assert metrics["jitter"] == 2.0
+    assert metrics["poses_used"] == 3, "a pose that two takes use is one pose"
