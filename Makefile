@@ -24,18 +24,20 @@ help:
 
 $(VENV)/.runtime: pyproject.toml
 	@test -n "$(BPY)" || { echo "Footwork's make needs Python 3.11 or 3.13; found $$($(PYTHON) --version). Set PYTHON=..."; exit 2; }
-	$(PYTHON) -m venv $(VENV)
-	$(VENV)/bin/pip install -q -e . $(BPY)
+	@echo "Fetching Blender as a Python module into $(VENV) ..."
+	@$(PYTHON) -m venv $(VENV)
+	@$(VENV)/bin/pip install -qq -e . $(BPY)
 	@touch $@
 
 $(VENV)/.dev: $(VENV)/.runtime
-	$(VENV)/bin/pip install -q -e ".[dev]" $(TORCH)
+	@echo "Fetching what the tests need into $(VENV) ..."
+	@$(VENV)/bin/pip install -qq -e ".[dev]" $(TORCH)
 	@touch $@
 
 venv: $(VENV)/.dev
 
 demo: $(VENV)/.runtime
-	timeout -k 5 900 $(PY) tools/demo.py --output out
+	@timeout -k 5 900 $(PY) tools/demo.py --output out
 
 lint: $(VENV)/.dev
 	$(VENV)/bin/ruff check .
@@ -50,8 +52,9 @@ zip: $(VENV)/.runtime
 
 # One virtual environment for each Blender; numpy 1 for 4.2, which its wheel does not pin.
 $(VENV)-%/.ready:
-	$(if $(filter 5.2%,$*),$(PY313),$(PY311)) -m venv $(VENV)-$*
-	$(VENV)-$*/bin/pip install -q bpy==$* pytest $(if $(filter 4.2%,$*),"numpy<2")
+	@echo "Fetching Blender $* into $(VENV)-$* ..."
+	@$(if $(filter 5.2%,$*),$(PY313),$(PY311)) -m venv $(VENV)-$*
+	@$(VENV)-$*/bin/pip install -qq bpy==$* pytest $(if $(filter 4.2%,$*),"numpy<2")
 	@touch $@
 
 test-blender-%: $(VENV)-%/.ready zip

@@ -17,11 +17,17 @@ from footwork.cli import main as footwork
 from footwork.core.mocap.bvh import write_bvh
 from footwork.core.mocap.demo import demo_motion
 from footwork.core.mocap.export import to_bvh
-from render import contact_sheet, film, stage
+from render import contact_sheet, film, hushed, stage
 
 DATABASES = {"walk": ("walk", "turn", "sidestep"), "crouch": ("crouch",)}
 RANGES = {"walk": ("0.88", "2"), "crouch": ("0", "0.88")}
 USER = "visit"
+MADE = {
+    "demo.blend": "the scene with the animated character: open it in Blender",
+    "report.json": "how good the bake is, as printed above",
+    "demo.png": "twelve moments of it",
+    "demo.mp4": "a film of it",
+}
 
 
 def verb(*arguments: str) -> None:
@@ -45,6 +51,16 @@ def make_takes(folder: Path) -> None:
         height = 1.68 if script == USER else 1.75
         motion = demo_motion(script, seed, height=height)
         write_bvh(folder / f"{script}.bvh", to_bvh(motion, script))
+
+
+def pictures(out: Path) -> None:
+    """The contact sheet and the film of the baked scene."""
+    bpy.ops.wm.open_mainfile(filepath=str(out / "demo.blend"))
+    scene = bpy.context.scene
+    camera = stage(scene)
+    frames = np.linspace(scene.frame_start, scene.frame_end, 12).round().astype(int)
+    contact_sheet(scene, camera, frames, out / "demo.png")
+    film(scene, camera, out / "demo.mp4")
 
 
 def main() -> None:
@@ -78,15 +94,16 @@ def main() -> None:
         "--json",
         str(out / "report.json"),
     )
+    made = ["demo.blend", "report.json"]
     if not options.no_pictures:
-        bpy.ops.wm.open_mainfile(filepath=str(out / "demo.blend"))
-        camera = stage(bpy.context.scene)
-        frames = (
-            np.linspace(bpy.context.scene.frame_start, bpy.context.scene.frame_end, 12).round().astype(int)
-        )
-        contact_sheet(bpy.context.scene, camera, frames, out / "demo.png")
-        film(bpy.context.scene, camera, out / "demo.mp4")
-        print(f"\npictures: {out / 'demo.png'}, {out / 'demo.mp4'}")
+        print("\nrendering a contact sheet and a film, which takes a minute or two ...", flush=True)
+        with hushed():
+            pictures(out)
+        made += ["demo.png", "demo.mp4"]
+    width = max(len(str(out / name)) for name in made)
+    print("\nMade:")
+    for name in made:
+        print(f"  {out / name!s:<{width}} {MADE[name]}")
     finish(0)
 
 

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
+import os
+import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import bpy
@@ -11,7 +14,7 @@ import numpy as np
 from mathutils import Vector
 
 WIDTH, HEIGHT = 480, 360
-FILM_FPS = 15
+FILM_FPS = 12
 
 
 def stage(scene: bpy.types.Scene) -> bpy.types.Object:
@@ -27,26 +30,48 @@ def stage(scene: bpy.types.Scene) -> bpy.types.Object:
     render = scene.render
     render.engine = "BLENDER_WORKBENCH"
     render.resolution_x, render.resolution_y, render.resolution_percentage = WIDTH, HEIGHT, 100
+    # without a graphics card every sample counts
+    scene.display.render_aa = "FXAA"
     shading = scene.display.shading
-    shading.light, shading.color_type, shading.show_shadows, shading.show_cavity = (
-        "STUDIO",
-        "OBJECT",
-        True,
-        True,
-    )
+    shading.light, shading.color_type, shading.show_shadows = "STUDIO", "OBJECT", True
+    shading.shadow_intensity = 0.35
     scene.world = scene.world or bpy.data.worlds.new("World")
-    scene.world.color = (0.35, 0.38, 0.42)
+    scene.world.color = (0.55, 0.60, 0.66)
     return camera
+
+
+@contextlib.contextmanager
+def hushed() -> Iterator[None]:
+    """While it lasts, what Blender prints for each frame is kept back; shown only if something fails."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+    with tempfile.TemporaryFile() as log:
+        kept = os.dup(1), os.dup(2)
+        os.dup2(log.fileno(), 1)
+        os.dup2(log.fileno(), 2)
+        failed = True
+        try:
+            yield
+            failed = False
+        finally:
+            for stream, number in zip(kept, (1, 2), strict=True):
+                os.dup2(stream, number)
+                os.close(stream)
+            if failed:
+                log.seek(0)
+                sys.stderr.write(log.read().decode("utf-8", "replace"))
 
 
 def contact_sheet(
     scene: bpy.types.Scene, camera: bpy.types.Object, frames: Sequence[int], target: Path, columns: int = 4
 ) -> None:
     """One PNG with the given frames in reading order."""
+    scene.display.render_aa = "8"
     with tempfile.TemporaryDirectory() as folder:
         tiles = [
             _shot(scene, camera, int(frame), Path(folder) / f"{i}.png") for i, frame in enumerate(frames)
         ]
+    scene.display.render_aa = "FXAA"
     blank = np.ones_like(tiles[0])
     tiles += [blank] * (-len(tiles) % columns)
     rows = [np.concatenate(tiles[i : i + columns], axis=1) for i in range(0, len(tiles), columns)]
@@ -110,20 +135,23 @@ def _aim(camera: bpy.types.Object, subject: Vector) -> None:
 
 
 def _flesh(scene: bpy.types.Scene, armature: bpy.types.Object) -> None:
-    """A capsule-like box on every bone, parented to it, so that a bare armature shows in renders."""
+    """A rounded box on every bone, parented to it, so that a bare armature shows in renders."""
     for bone in armature.data.bones:
         half = 0.5 * bone.length
         width, depth = _girth(bone.name)
-        ends = (-0.98 * half, 0.98 * half)
+        ends = (-1.1 * half, 1.1 * half)  # overlapping, so that no joint gapes
         corners = [(x, y, z) for y in ends for x in (-width, width) for z in (-depth, depth)]
         faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 2, 6, 4), (1, 5, 7, 3), (0, 4, 5, 1), (2, 3, 7, 6)]
         mesh = bpy.data.meshes.new(bone.name)
         mesh.from_pydata(corners, [], faces)
+        mesh.shade_smooth()
         body = bpy.data.objects.new(bone.name, mesh)
         scene.collection.objects.link(body)
         body.parent, body.parent_type, body.parent_bone = armature, "BONE", bone.name
         body.location = (0.0, -half, 0.0)
         body.color = _colour(bone.name)
+        rounding = body.modifiers.new("Rounding", "BEVEL")
+        rounding.width, rounding.segments = 0.8 * min(width, depth, half), 4
 
 
 def _girth(name: str) -> tuple[float, float]:
@@ -149,7 +177,7 @@ def _colour(name: str) -> tuple[float, float, float, float]:
 
 def _floor(scene: bpy.types.Scene) -> None:
     """A chequered floor of one-metre tiles."""
-    for shade, odd in ((0.32, 0), (0.40, 1)):
+    for shade, odd in ((0.50, 0), (0.60, 1)):
         tiles = [(x, y) for x in range(-12, 12) for y in range(-12, 12) if (x + y) % 2 == odd]
         corners = [(x + dx, y + dy, 0.0) for x, y in tiles for dx, dy in ((0, 0), (1, 0), (1, 1), (0, 1))]
         mesh = bpy.data.meshes.new("Floor")
