@@ -31,7 +31,7 @@ Array = NDArray[np.floating[Any]]
 _FOLDER = Path(__file__).parent / "weights"
 _CHUNK = 2048
 """Windows worked on at once: bounds memory on recordings of hours."""
-_ASKED = 30.0
+_ASKED = 15.0
 """Answers per second of predictors that see the future; bodies turn slowly, so those between are
 interpolated."""
 

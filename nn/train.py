@@ -192,7 +192,7 @@ def make_learner(
     from .train_window import WindowLearner
 
     batch = settings.batch or 512
-    steps = max(1, frames // batch) * (settings.epochs or 30)
+    steps = max(1, frames // batch) * (settings.epochs or 15)
     learner = WindowLearner(
         samples,
         CAUSAL if settings.kind == "causal" else LOOK_AHEAD,
@@ -227,9 +227,11 @@ def _fit(
             error, loss = held_out_error(candidate, testing), float(np.mean(losses))
             history.append({"step": n, "loss": round(loss, 5), "held_out_deg": round(error, 3)})
             losses.clear()
+            # later steps are smaller and steadier: a later network that is about as good is the better one
+            if error < 1.05 * best_error:
+                best = candidate
             waited = 0 if error < best_error else waited + 1
-            if error < best_error:
-                best, best_error = candidate, error
+            best_error = min(error, best_error)
             fraction = (turn[0] + n / steps) / turn[1]
             yield fraction, f"loss {loss:.4f}, held out {error:.2f} degrees, best {best_error:.2f}"
             if late or waited >= settings.patience:

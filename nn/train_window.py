@@ -100,14 +100,17 @@ class WindowLearner:
         return np.concatenate([inputs, mirrored]), np.concatenate([truth, truth * [-1.0, 1.0]])
 
     def step(self) -> float:
-        """One optimisation step; returns the batch's loss: mean distance between answered and true
-        direction."""
+        """One optimisation step; returns the batch's loss.
+
+        The squared distance makes the best answer to a doubtful window the mean of all directions that it may
+        stand for: the less sure, the shorter.
+        """
         inputs, truth = self._draw(self.batch // 2)
         x = torch.from_numpy(self.scaler.apply(inputs).astype(np.float32))
         y = torch.from_numpy(truth.astype(np.float32))
         self.model.train()
         self.optimiser.zero_grad(set_to_none=True)
-        loss = torch.sqrt(((self.model(x) - y) ** 2).sum(dim=1) + 1e-4).mean()
+        loss = ((self.model(x) - y) ** 2).sum(dim=1).mean()
         loss.backward()
         self.optimiser.step()
         self.schedule.step()
