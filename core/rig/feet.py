@@ -102,7 +102,8 @@ def place_feet(motion: Motion, plan: FootPlan) -> Motion:
     for side, leg in enumerate(legs):
         toes, hips = plan.toes[:, side], positions[leg.thigh]
         foot = plan.rotations[:, side]
-        foot = heel.raise_heel(foot, leg.to_toe, leg.height, toes, hips, leg.length, motion.fps)
+        own = norm(positions[leg.foot] - hips)
+        foot = heel.raise_heel(foot, leg.to_toe, leg.height, toes, hips, leg.length, own, motion.fps)
         ankles = toes - quat.rotate(foot, leg.to_toe)
         limb = np.stack([hips, positions[leg.shin], positions[leg.foot]], axis=1)
         bend = two_bone.bend_direction(limb, quat.rotate(rotations[leg.shin], _FORWARD), _SOFT_KNEE)

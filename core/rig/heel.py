@@ -17,7 +17,10 @@ Array = NDArray[np.floating[Any]]
 
 _STRAIGHT = 0.998
 """Share of a leg's length to which it is stretched at most, as long as a rising heel can help."""
-_SOFT = 0.03
+_RELAXED = 0.99
+"""The same where the motion's own leg is not straighter: people's rarely are, and near full length a knee moves
+far for little, 13 cm a second for each centimetre a second of the hips at 0.998."""
+_SOFT = 0.05
 """Share of a leg's length over which the rising heel takes over: a knee that locks snaps."""
 _STEEPEST = np.radians(95.0)
 """Greatest angle over the ground from the toe back to the ankle."""
@@ -114,6 +117,7 @@ def raise_heel(
     toes: Array,
     hips: Array,
     length: float,
+    own: Array,
     fps: float,
 ) -> Array:
     """World rotations `(T, 4)` of a foot whose heel stays off the floor and rises where the leg is too short.
@@ -125,12 +129,17 @@ def raise_heel(
         toes: `(T, 3)` where the toe is.
         hips: `(T, 3)` thigh joints.
         length: of the leg, metres.
+        own: `(T,)` metres from thigh joint to ankle in the motion.
         fps: frames per second.
     """
     pitch = pitch_of(rotations, foot_to_toe)
     distance = pitch.distance(hips, toes)
-    past = np.clip(distance - longest(length) + 0.5 * _SOFT * length, 0.0, _SOFT * length)
-    bearable = np.minimum(distance - past**2 / (2.0 * _SOFT * length), longest(length))
+    most = np.clip(own, _RELAXED * length, longest(length))
+    # nothing changes up to the motion's own; from there on the leg grows ever less with the distance
+    free = np.clip(own, (_RELAXED - 0.5 * _SOFT) * length, most)
+    width = np.maximum(2.0 * (most - free), 1e-9)
+    past = np.clip(distance - free, 0.0, width)
+    bearable = np.minimum(distance - past**2 / (2.0 * width), most)
     reaching = np.where(past > 0.0, pitch.reaching(hips, toes, bearable), pitch.angle)
     reaching = np.minimum(reaching, np.maximum(pitch.angle, _STEEPEST))
     wanted = np.maximum(_least_pitch(foot_to_toe, rest_height, toes[:, 2]), reaching)
