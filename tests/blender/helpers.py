@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import bpy
 import numpy as np
 from footwork.core.maths import quat
@@ -68,3 +70,13 @@ def keys_of(action: bpy.types.Action) -> int:
         for bag in strip.channelbags
         for curve in bag.fcurves
     )
+
+
+def files(*names: str) -> list[dict[str, str]]:
+    """File names as a file operator takes them."""
+    return [{"name": name} for name in names]
+
+
+def add_takes(folder: Path, *names: str) -> None:
+    """Add takes to the current scene."""
+    assert bpy.ops.footwork.add_takes(directory=str(folder), files=files(*names)) == {"FINISHED"}

@@ -14,44 +14,7 @@ from footwork.bridge import armature, compat
 from footwork.core.database.sidecar import load_database
 from footwork.operators import figures, job_operator
 from footwork.operators.bake import REPORT
-
-
-def files(*names: str) -> list[dict[str, str]]:
-    return [{"name": name} for name in names]
-
-
-def add_takes(folder: Path, *names: str) -> None:
-    assert bpy.ops.footwork.add_takes(directory=str(folder), files=files(*names)) == {"FINISHED"}
-
-
-@pytest.fixture(scope="module")
-def database(demo, tmp_path_factory) -> Path:
-    """A database of procedural takes, built by its operator."""
-    bpy.ops.wm.read_homefile(use_empty=True)
-    add_takes(demo, "walk.bvh", "turn.bvh", "sidestep.bvh", "visit.bvh")
-    path = tmp_path_factory.mktemp("database") / "walking.npz"
-    assert bpy.ops.footwork.build_database(filepath=str(path)) == {"FINISHED"}
-    return path
-
-
-@pytest.fixture(scope="module")
-def recording(demo, tmp_path_factory) -> Path:
-    """A recording simulated from a procedural take, by its operator."""
-    bpy.ops.wm.read_homefile(use_empty=True)
-    add_takes(demo, "visit.bvh")
-    path = tmp_path_factory.mktemp("recording") / "visit.csv"
-    assert bpy.ops.footwork.simulate_recording(filepath=str(path)) == {"FINISHED"}
-    return path
-
-
-@pytest.fixture
-def ready(empty, database, recording):
-    """A scene in which only Bake is left to press."""
-    footwork = empty.footwork
-    bpy.ops.footwork.add_database(directory=str(database.parent), files=files(database.name))
-    bpy.ops.footwork.load_recording(filepath=str(recording))
-    footwork.predictor = "HEADSET"
-    return footwork
+from helpers import add_takes, files
 
 
 def test_takes_are_added_once_and_looked_at(empty, demo, tmp_path) -> None:
@@ -239,18 +202,6 @@ def test_the_file_handlers_take_their_files() -> None:
         assert extension in handler.bl_file_extensions
         module, operator = handler.bl_import_operator.split(".")
         assert getattr(getattr(bpy.ops, module), operator).get_rna_type()
-
-
-def test_a_mixamo_rig_is_animated_and_left_in_place(empty, ready, data) -> None:
-    bpy.ops.import_scene.fbx(filepath=str(data / "rigs" / "mixamo_ybot.fbx"))
-    rig = next(obj for obj in empty.objects if obj.type == "ARMATURE")
-    place = np.array(rig.matrix_world)
-    bpy.context.view_layer.objects.active = rig
-    bpy.ops.footwork.use_active_rig()
-    bpy.ops.footwork.bake()
-    assert np.array_equal(place, np.array(rig.matrix_world))
-    keyed = {path.split('"')[1] for curve in compat.fcurves_of(rig) if (path := curve.data_path)}
-    assert "mixamorig:Hips" in keyed and not any("Thumb" in bone for bone in keyed)
 
 
 def test_the_example_job_runs(demo, recording, tmp_path, monkeypatch) -> None:
