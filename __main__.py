@@ -3,9 +3,12 @@
 import os
 import sys
 
-from .cli import main
+try:
+    from .cli import main
 
-code = main()
+    code = main()
+except KeyboardInterrupt:  # while Python was still loading
+    code = 2
 sys.stdout.flush()
 sys.stderr.flush()
 # some bpy modules crash or hang while Python tears them down; everything is written by now

@@ -53,9 +53,11 @@ def main(argv: Sequence[str] | None = None) -> int:
             print(f"footwork {options.verb}: {line}", file=sys.stderr)
         return BAD_INPUT
     except KeyboardInterrupt:
-        print(f"footwork {options.verb}: cancelled, nothing written", file=sys.stderr)
-        return BAD_INPUT
+        return _cancelled(options.verb)
     except Exception:
+        # Blender's operators turn a cancel into an error of theirs
+        if "KeyboardInterrupt" in traceback.format_exc():
+            return _cancelled(options.verb)
         traceback.print_exc()
         print(
             f"footwork {options.verb}: this is a bug in Footwork; please report the lines above",
@@ -63,6 +65,11 @@ def main(argv: Sequence[str] | None = None) -> int:
         )
         return BUG
     return LIMIT if report.get("failed") else DONE
+
+
+def _cancelled(verb: str) -> int:
+    print(f"footwork {verb}: cancelled", file=sys.stderr)
+    return BAD_INPUT
 
 
 def make_parser() -> argparse.ArgumentParser:
@@ -211,6 +218,8 @@ def build(options: argparse.Namespace) -> Report:
     database = run(job)
     save_database(Path(options.output), database)
     report = describe_database(database)
+    for line in report["provenance"]["skipped"]:
+        print(f"footwork build-database: left out: {line}", file=sys.stderr)
     say(options, f"{options.output}: {len(database)} frames in {len(database.clips)} clips")
     return report
 

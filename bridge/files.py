@@ -10,7 +10,7 @@ from pathlib import Path
 import bpy
 
 from ..core.errors import InputError
-from ..core.files import write_through_path
+from ..core.files import write_together
 from ..core.mocap.bvh import write_bvh
 from ..core.mocap.edit import resample
 from ..core.mocap.export import to_bvh
@@ -21,13 +21,12 @@ from .action import write_action
 from .armature import armature_to_rig, create_armature
 
 RIG_FORMATS = (".blend", ".fbx", ".glb", ".gltf", ".vrm")
-EXPORT_FORMATS = (".fbx", ".glb", ".bvh")
 
 
 def check_targets(paths: Sequence[str]) -> None:
     """Raise InputError before any work where an output has the wrong kind or no folder."""
     for i, path in enumerate(paths):
-        kinds = (".blend",) if i == 0 else EXPORT_FORMATS
+        kinds = (".blend",) if i == 0 else tuple(_EXPORTERS)
         if Path(path).suffix.lower() not in kinds:
             raise InputError(f"{path}: cannot write this kind of file; use {', '.join(kinds)}")
         if not Path(path).resolve().parent.is_dir():
@@ -63,15 +62,10 @@ class Target:
         self.motion = result.motion
 
     def save(self, output: str, exports: Sequence[str]) -> None:
-        """Write the .blend and every export, each complete or not at all."""
+        """Write the .blend and every export, all of them or none."""
         armature = bpy.data.objects[self.object_name]
-        for path in exports:
-            kind = Path(path).suffix.lower()
-            if kind == ".bvh":
-                write_bvh(path, to_bvh(resample(self.motion, self.fps), armature.name))
-            else:
-                write_through_path(path, partial(_EXPORTERS[kind], armature))
-        write_through_path(output, _save_copy)
+        writers = {path: partial(_EXPORTERS[Path(path).suffix.lower()], self, armature) for path in exports}
+        write_together({**writers, output: _save_copy})
 
 
 def open_target(spec: str | None, fps: float) -> Target:
@@ -144,7 +138,11 @@ def _save_copy(path: Path) -> None:
     bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True, check_existing=False)
 
 
-def _export_fbx(armature: bpy.types.Object, path: Path) -> None:
+def _export_bvh(target: Target, armature: bpy.types.Object, path: Path) -> None:
+    write_bvh(path, to_bvh(resample(target.motion, target.fps), armature.name))
+
+
+def _export_fbx(_: Target, armature: bpy.types.Object, path: Path) -> None:
     _select(armature)
     bpy.ops.export_scene.fbx(
         filepath=str(path),
@@ -156,7 +154,7 @@ def _export_fbx(armature: bpy.types.Object, path: Path) -> None:
     )
 
 
-def _export_glb(armature: bpy.types.Object, path: Path) -> None:
+def _export_glb(_: Target, armature: bpy.types.Object, path: Path) -> None:
     _select(armature)
     bpy.ops.export_scene.gltf(
         filepath=str(path), use_selection=True, export_format="GLB", export_animation_mode="ACTIVE_ACTIONS"
@@ -170,4 +168,4 @@ def _select(armature: bpy.types.Object) -> None:
     bpy.context.view_layer.objects.active = armature
 
 
-_EXPORTERS = {".fbx": _export_fbx, ".glb": _export_glb}
+_EXPORTERS = {".fbx": _export_fbx, ".glb": _export_glb, ".bvh": _export_bvh}

@@ -6,7 +6,7 @@ import contextlib
 import hashlib
 import os
 import tempfile
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Mapping
 from pathlib import Path
 from typing import BinaryIO
 
@@ -58,22 +58,24 @@ def write_atomically(path: str | os.PathLike[str], writer: Callable[[BinaryIO], 
             part.unlink()
 
 
-def write_through_path(path: str | os.PathLike[str], writer: Callable[[Path], object]) -> None:
-    """As `write_atomically`, for writers that want a file name instead of an open file.
+def write_together(writers: Mapping[str | os.PathLike[str], Callable[[Path], object]]) -> None:
+    """As `write_atomically`, for several files that are all written or none, by writers that want a file name.
 
-    `writer` is given a path of the target's name in a fresh folder beside the target, and must write there.
+    Each writer is given a path of its target's name in a fresh folder beside the target, and must write there.
 
     Raises:
-        InputError: the folder is missing or cannot be written to, or `path` is a folder.
+        InputError: a folder is missing or cannot be written to, or a target is a folder.
     """
-    target = check_target(path)
-    with (
-        _explained(path),
-        tempfile.TemporaryDirectory(prefix=f".{target.name[:64]}.", dir=target.parent) as folder,
-    ):
-        part = Path(folder) / target.name
-        writer(part)
-        part.replace(target)
+    with contextlib.ExitStack() as folders:
+        parts: list[tuple[Path, Path]] = []
+        for path, writer in writers.items():
+            target = check_target(path)
+            folders.enter_context(_explained(path))
+            folder = tempfile.TemporaryDirectory(prefix=f".{target.name[:64]}.", dir=target.parent)
+            parts.append((Path(folders.enter_context(folder)) / target.name, target))
+            writer(parts[-1][0])
+        for part, target in parts:
+            part.replace(target)
 
 
 @contextlib.contextmanager

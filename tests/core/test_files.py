@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 from footwork.core.errors import InputError
-from footwork.core.files import sha256_of, write_atomically
+from footwork.core.files import sha256_of, write_atomically, write_together
 
 
 def names(folder: Path) -> list[str]:
@@ -76,3 +76,25 @@ def test_sha256(tmp_path: Path) -> None:
         sha256_of(tmp_path / "missing")
     with pytest.raises(InputError, match="cannot be read"):
         sha256_of(tmp_path)
+
+
+def test_files_written_together_are_all_there_or_none(tmp_path: Path) -> None:
+    def write(path: Path) -> None:
+        path.write_text(path.name)
+
+    def cancel(path: Path) -> None:
+        path.write_text("half")
+        raise KeyboardInterrupt
+
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "a").write_text("old")
+    with pytest.raises(KeyboardInterrupt):
+        write_together({tmp_path / "a": write, tmp_path / "sub" / "b": write, tmp_path / "c": cancel})
+    assert (tmp_path / "a").read_text() == "old"
+    assert names(tmp_path) == ["a", "sub"] and names(tmp_path / "sub") == []
+    with pytest.raises(InputError, match="no folder"):
+        write_together({tmp_path / "a": write, tmp_path / "none" / "b": write})
+    assert names(tmp_path) == ["a", "sub"]
+    write_together({tmp_path / "a": write, tmp_path / "sub" / "b": write})
+    assert (tmp_path / "a").read_text() == "a" and (tmp_path / "sub" / "b").read_text() == "b"
+    assert names(tmp_path) == ["a", "sub"]
