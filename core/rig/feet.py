@@ -17,7 +17,7 @@ from ..database.contacts import toe_places
 from ..maths import quat
 from ..maths.vectors import norm
 from ..mocap.skeleton import SIDES, Motion, Skeleton
-from . import heel, locks, two_bone, validity
+from . import heel, locks, two_bone
 from .pose import with_world_rotations, world_positions, world_rotations
 
 Array = NDArray[np.floating[Any]]
@@ -26,8 +26,11 @@ _SOFT_KNEE = 0.03
 """Metres: a leg bent by less takes the plane of its knee from the shin's own axes."""
 _SOFT_PULL = 0.01
 """Metres over which a foot in the air that would be out of reach begins to be pulled in."""
-_FREE_S = 0.15
-"""Seconds after a foot leaves the floor, and before it is back, in which that begins and ends."""
+_FOLLOW, _SOFT_RISE = 0.5, 0.02
+"""Share by which a foot in the air follows hips that are higher than the motion's, and metres over which that
+begins."""
+_FREE_S = 0.2
+"""Seconds after a foot leaves the floor, and before it is back, in which both begin and end."""
 _TIP = 0.5
 """Length of a toe whose end is unknown, as a share of the way over the ground from ankle to toe joint."""
 _FORWARD = np.array([0.0, 1.0, 0.0])
@@ -80,9 +83,12 @@ def plan_feet(
         found = _within_reach(found, pitch, hips[leg.thigh], leg)
         for lock in found:
             held[lock.first : lock.last + 1, side] = True
-        free = 1.0 - validity.weights(held[:, side], motion.fps, _FREE_S)[:, None]
+        free = _freedom(held[:, side], _FREE_S * motion.fps)
         path += locks.offsets(path, found, max(2, round(4.0 * halflife * motion.fps)))
-        path[:, :2] += _pull(path, pitch, hips[leg.thigh], leg) * free
+        # hips that are higher than the motion's take a foot in the air along
+        rise = (hips[leg.thigh] - positions[leg.thigh])[:, 2]
+        path[:, 2] += _FOLLOW * 0.5 * (rise + np.sqrt(rise**2 + _SOFT_RISE**2)) * free
+        path[:, :2] += _pull(path, pitch, hips[leg.thigh], leg) * free[:, None]
         path[:, 2] = leg.height + locks.clear(path[:, 2] - leg.height, held[:, side], motion.fps)
         toes[:, side] = path
     return FootPlan(toes, np.stack([rotations[leg.foot] for leg in legs], axis=1), held)
@@ -163,6 +169,17 @@ def _within_reach(found: list[locks.Lock], pitch: heel.Pitch, hips: Array, leg: 
         step = np.minimum(most[far] * norm(way) / level, level) * 0.85**turn
         points[going, :2] += way[:, :2] * (step / level)[:, None]
     return [replace(lock, point=point) for lock, point in zip(found, best, strict=True)]
+
+
+def _freedom(held: NDArray[np.bool_], blend: float) -> Array:
+    """0 where a foot is held, rising smoothly to 1 within `blend` frames, or to less in a shorter gap: `(T,)`."""
+    frames, known = np.arange(len(held)), np.flatnonzero(held)
+    edges = np.concatenate([[-np.inf], known, [np.inf]])
+    after = np.searchsorted(known, frames) + 1
+    right, left = edges[after] - frames, frames - edges[after - 1]
+    ramp = np.minimum(0.5 * (left + right), blend)
+    t = np.clip(np.where(held, 0.0, np.minimum(left, right)) / ramp, 0.0, 1.0)
+    return t * t * (3.0 - 2.0 * t) * (ramp / blend)
 
 
 def _pull(path: Array, pitch: heel.Pitch, hips: Array, leg: _Leg) -> Array:
