@@ -27,8 +27,7 @@ from .windows import stream
 MEASUREMENTS = 15
 """How often the held-out error is measured in a full training."""
 NO_TORCH = (
-    "training needs torch, which is not installed; get it with: pip install torch --index-url "
-    "https://download.pytorch.org/whl/cpu (baking works without it)"
+    "training needs torch, which is not installed; get it with: pip install torch (baking works without it)"
 )
 
 

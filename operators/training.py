@@ -22,7 +22,7 @@ from ..nn.settings import TrainSettings
 
 PACKAGE_FOLDER = Path(__file__).parents[1]
 ADD_ON = __package__.rpartition(".")[0]
-GET_TORCH = "-m pip install torch --index-url https://download.pytorch.org/whl/cpu"
+GET_TORCH = "-m pip install torch"
 LOOK_AGAIN_S = 10.0
 """A Python that could not train is looked at again after this long: PyTorch may have come."""
 NO_WINDOW = getattr(subprocess, "CREATE_NO_WINDOW", 0)
