@@ -86,8 +86,8 @@ def plan_feet(
         free = _freedom(held[:, side], _FREE_S * motion.fps)
         path += locks.offsets(path, found, max(2, round(4.0 * halflife * motion.fps)))
         # hips that are higher than the motion's take a foot in the air along
-        rise = (hips[leg.thigh] - positions[leg.thigh])[:, 2]
-        path[:, 2] += _FOLLOW * 0.5 * (rise + np.sqrt(rise**2 + _SOFT_RISE**2)) * free
+        rise = np.maximum((hips[leg.thigh] - positions[leg.thigh])[:, 2], 0.0)
+        path[:, 2] += _FOLLOW * rise**2 / (rise + _SOFT_RISE) * free
         path[:, :2] += _pull(path, pitch, hips[leg.thigh], leg) * free[:, None]
         path[:, 2] = leg.height + locks.clear(path[:, 2] - leg.height, held[:, side], motion.fps)
         toes[:, side] = path
