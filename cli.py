@@ -29,6 +29,7 @@ from .cli_common import (
     write_report,
 )
 from .core.errors import InputError
+from .core.files import sha256_of
 from .core.settings import BakeSettings, DatabaseSettings
 from .nn.settings import TrainSettings
 
@@ -312,6 +313,12 @@ def bake(options: argparse.Namespace) -> Report:
     fps = options.fps or databases[0].fps
     target = files.open_target(options.rig, fps)
     result = run(bake_job(recording, databases, predict, target.rig, settings, output_fps=fps))
+    for kind, path in (
+        ("predictor", None if options.predictor == "hmd" else options.predictor),
+        ("rig", files.split_rig(options.rig)[0] if options.rig else None),
+    ):
+        if path:
+            result.report["inputs"].append({"kind": kind, "name": str(path), "sha256": sha256_of(path)})
     target.write(result, Path(options.recording).stem)
     target.save(options.output, options.export)
     say(options, report_in_words(result.report))

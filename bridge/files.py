@@ -82,7 +82,7 @@ def open_target(spec: str | None, fps: float) -> Target:
         bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
         _set_rate(fps)
         return Target(None, "", fps)
-    path, object_name = _split(spec)
+    path, object_name = split_rig(spec)
     _load(path)
     _set_rate(fps)
     armature = _armature(path, object_name)
@@ -90,7 +90,7 @@ def open_target(spec: str | None, fps: float) -> Target:
     return Target(armature_to_rig(armature), armature.name, fps)
 
 
-def _split(spec: str) -> tuple[Path, str]:
+def split_rig(spec: str) -> tuple[Path, str]:
     """FILE and OBJECT of FILE[:OBJECT]; a colon after a drive letter separates nothing."""
     if Path(spec).suffix.lower() in RIG_FORMATS:
         return Path(spec), ""

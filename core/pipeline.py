@@ -214,10 +214,7 @@ def _fitting_scale(recording: Recording, skeleton: Skeleton, ease: float) -> flo
 
 def _inputs(recording: Recording, databases: Sequence[MotionDatabase]) -> list[dict[str, str]]:
     rows = [{"kind": "recording", "name": recording.file, "sha256": recording.sha256}]
-    for database in databases:
-        sha = database.provenance.get("sha256", "")
-        rows.append({"kind": "database", "name": database.name, "sha256": sha})
-    return rows
+    return rows + [{"kind": "database", "name": base.name, "sha256": base.sha256} for base in databases]
 
 
 class _Clock:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import importlib.util
 import json
 import re
@@ -149,7 +150,10 @@ def test_bake_writes_a_blend_a_bvh_and_the_report(
     assert {"root_error_cm", "foot_skate_cm_s", "hand_position_error_cm", "transitions_per_s"} <= report[
         "metrics"
     ].keys()
-    assert [row["kind"] for row in report["inputs"]] == ["recording", "database", "database"]
+    assert [(row["kind"], row["sha256"]) for row in report["inputs"]] == [
+        (kind, hashlib.sha256(path.read_bytes()).hexdigest())
+        for kind, path in (("recording", visit), ("database", walk), ("database", crouch))
+    ]
     assert sorted(path.name for path in tmp_path.iterdir()) == ["baked.blend", "baked.bvh", "report.json"]
 
 

@@ -102,6 +102,8 @@ class MotionDatabase:
     """HMD height over calibrated eye height for which this database is meant: [low, high)."""
     tags: tuple[str, ...] = ()
     provenance: dict[str, str] = field(default_factory=dict[str, str])
+    sha256: str = ""
+    """Of the file that it was read from; "" for one that was just built."""
 
     def __len__(self) -> int:
         return len(self.poses)

@@ -6,6 +6,7 @@ import json
 import os
 import zipfile
 import zlib
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, BinaryIO, cast
 
@@ -14,7 +15,7 @@ from numpy.lib.npyio import NpzFile
 
 from .. import VERSION
 from ..errors import InputError
-from ..files import write_atomically
+from ..files import sha256_of, write_atomically
 from ..mocap.skeleton import Skeleton
 from .motion_database import (
     FEATURE_GROUPS,
@@ -71,7 +72,7 @@ def load_database(path: str | os.PathLike[str]) -> MotionDatabase:
         check_arrays(arrays)
     except FaultError as fault:
         raise InputError(f"{path}: {fault}; build the database again") from None
-    return _from_arrays(arrays)
+    return replace(_from_arrays(arrays), sha256=sha256_of(path))
 
 
 def _write(file: BinaryIO, arrays: Arrays) -> None:

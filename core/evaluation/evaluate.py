@@ -146,7 +146,5 @@ def lighten(values: Values) -> Values:
 
 def _inputs(takes: Sequence[Take], databases: Sequence[MotionDatabase]) -> list[dict[str, str]]:
     rows = [{"kind": "take", "name": take.file, "sha256": take.sha256} for take in takes]
-    rows += [
-        {"kind": "database", "name": d.name, "sha256": d.provenance.get("sha256", "")} for d in databases
-    ]
+    rows += [{"kind": "database", "name": d.name, "sha256": d.sha256} for d in databases]
     return rows
