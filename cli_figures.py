@@ -27,8 +27,7 @@ _OVER_TIME = (
 
 def draw(plot: Plot) -> bytes:
     """A plot of an experiment."""
-    points = plot.kind == "points"
-    if points:
+    if plot.kind == "points":
         return _clouds(plot)
     figure, axes = pyplot.subplots(figsize=(9.0, 4.0), layout="constrained")
     for line, colour in zip(plot.lines, COLOURS, strict=False):
@@ -45,16 +44,16 @@ def _clouds(plot: Plot) -> bytes:
     """The first cloud in grey behind each of the others, side by side at one scale."""
     background, *clouds = plot.lines
     figure, row = pyplot.subplots(
-        1, len(clouds), figsize=(4.6 * len(clouds), 4.8), sharex=True, sharey=True, squeeze=False,
+        1, len(clouds), figsize=(4.6 * len(clouds), 5.2), sharex=True, sharey=True, squeeze=False,
         layout="constrained",
     )  # fmt: skip
     for axes, cloud, colour in zip(row[0], clouds, COLOURS, strict=False):
         axes.scatter(background.x, background.y, s=2, color="#cccccc", linewidths=0, label=background.label)
         axes.scatter(cloud.x, cloud.y, s=3, color=colour, linewidths=0, label=cloud.label)
-        axes.set(title=cloud.label, xlabel=plot.x, ylabel=plot.y)
+        axes.set_title(f"{plot.title}\n{cloud.label}", fontsize=10)
+        axes.set(xlabel=plot.x, ylabel=plot.y)
         axes.set_aspect("equal")
         axes.grid(alpha=0.3)
-    figure.suptitle(plot.title)
     return _png(figure)
 
 

@@ -94,7 +94,7 @@ def _orientation_relations(means: Mapping[str, float]) -> list[Relation]:
     claims += [
         (label, "r = 50", f"{label} errs less than the paper's network")
         for label in means
-        if label not in _PAPER_DEG
+        if label != HMD and not label.startswith("r = ")
     ]
     return [
         in_order([a, b], [means[a], means[b]], claim, "°")

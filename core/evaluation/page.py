@@ -16,7 +16,8 @@ h1 { font-size: 1.6rem; } h2 { margin-top: 2.5rem; border-bottom: 2px solid #ddd
 table { border-collapse: collapse; margin: 1rem 0; font-size: 0.88rem; display: block; overflow-x: auto; }
 th, td { padding: 0.25rem 0.6rem; border-bottom: 1px solid #e4e4e4; text-align: right; }
 th { vertical-align: bottom; background: #f5f5f5; } th:first-child, td:first-child { text-align: left; }
-td.says { text-align: left; color: #666; font-size: 0.82rem; } tr.floor td { color: #888; border-bottom: none; }
+td { white-space: nowrap; }
+td.says { white-space: normal; text-align: left; min-width: 16rem; color: #666; font-size: 0.82rem; }
 img { max-width: 100%; display: block; margin: 1rem 0; }
 .yes, .better { color: #17692e; } .no, .worse { color: #a31515; font-weight: 600; }
 .note { color: #666; } .warning { background: #fff4d6; padding: 0.3rem 0.6rem; }
@@ -149,7 +150,7 @@ def _limits(report: Mapping[str, Any]) -> str:
     if "limits" not in report:
         return ""
     if not report["failed"]:
-        return f'<p class="yes">Within all {len(report["limits"])} limits.</p>'
+        return f'<p class="yes">None of these: {escape("; ".join(report["limits"]))}.</p>'
     return "".join(f'<p class="no">Failed: {escape(line)}</p>' for line in report["failed"])
 
 
