@@ -61,18 +61,22 @@ def add_settings(parser: argparse.ArgumentParser, settings: type, skip: Sequence
         assert item.default is not MISSING
         if isinstance(item.default, bool):
             parser.add_argument(
-                flag, action=argparse.BooleanOptionalAction, default=item.default, help=meta["help"]
+                flag,
+                action=argparse.BooleanOptionalAction,
+                default=item.default,
+                help=f"{meta['help']} (default: {'on' if item.default else 'off'})",
             )
             continue
         unit = f" {meta['unit']}" if meta["unit"] else ""
         shown = f"{item.default:g}" if isinstance(item.default, float) else str(item.default)
+        choices = "".join(f"; {name}: {tip}" for name, tip in (meta["choices"] or {}).items())
         parser.add_argument(
             flag,
             type=type(item.default),
             default=item.default,
             choices=list(meta["choices"]) if meta["choices"] else None,
             metavar=None if meta["choices"] else meta["unit"].upper().replace("/", "_PER_") or "N",
-            help=f"{meta['help']} (default: {shown}{unit})".replace("%", "%%"),
+            help=f"{meta['help']}{choices} (default: {shown}{unit})".replace("%", "%%"),
         )
 
 
