@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from .database.motion_database import MotionDatabase
 from .errors import InputError
-from .evaluation.metrics import Yardstick, body_of, summarise
+from .evaluation.metrics import Values, Yardstick, body_of, summarise
 from .evaluation.series import series
 from .jobs import Job, part
 from .matching.body_target import body_targets
@@ -92,18 +92,10 @@ def bake(
     yaws = predict(recording)
     clock.lap("orientation")
 
-    ease = max(_ease(database) for database in databases)
-    to_database = _fitting_scale(recording, databases[0].skeleton, ease)
-    to_rig = _fitting_scale(recording, fit.skeleton, ease) if settings.scale_to_rig else 1.0
+    scales = _scales(recording, databases, fit.skeleton, settings)
     # alpha is metres on the rig: the search works on the database's own body size
-    sized = replace(settings, alpha=settings.alpha * to_database / to_rig)
-    positions, rotations = joint_targets(scale(recording, to_database))
-    targets = positions[:, 0, :2]
-    if settings.target == "body":
-        targets = body_targets(positions[:, 0], rotations[:, 0], yaws, databases)
-    trajectory = make_trajectory(targets, yaws, fps, sized)
-    heights = recording.positions[:, 0, 2] / recording.eye_height
-    playback = yield from part(match(trajectory, heights, databases, sized), 0.05, 0.6)
+    sized = replace(settings, alpha=settings.alpha * scales.database / scales.rig)
+    playback = yield from part(_match(recording, yaws, databases, sized, scales.database), 0.05, 0.6)
     clock.lap("search")
 
     yield 0.6, "Blending poses"
@@ -111,8 +103,8 @@ def bake(
     clock.lap("blending")
 
     yield 0.75, "Fitting the rig"
-    trackers = scale(recording, to_rig)
-    matched = scale_motion(motion, to_rig / to_database)
+    trackers = scale(recording, scales.rig)
+    matched = scale_motion(motion, scales.rig / scales.database)
     avatar = animate(matched, contacts, trackers, fit.skeleton, settings)
     clock.lap("rig")
 
@@ -121,41 +113,63 @@ def bake(
     clock.lap("keys")
 
     yield 0.95, "Measuring"
-    sized_truth = None if truth is None else scale_motion(truth, to_rig)
     yardstick = Yardstick(
         contacts,
         trackers,
         playback,
         databases,
         avatar.unreachable,
-        scale=to_rig / to_database,
-        truth=sized_truth,
+        scale=scales.rig / scales.database,
+        truth=None if truth is None else scale_motion(truth, scales.rig),
     )
     values = yardstick.measure(body_of(avatar.motion))
     clock.lap("measures")
-    warnings = tuple(recording.doubts)
-    report = {
+    report = _report(recording, databases, settings, scales, values, clock)
+    times = playback.transitions / fps
+    return BakeResult(
+        rig, tracks, avatar.motion, avatar.contacts, playback, times, report, recording.doubts, yardstick
+    )
+
+
+def _match(
+    recording: Recording,
+    yaws: Array,
+    databases: Sequence[MotionDatabase],
+    settings: BakeSettings,
+    to_database: float,
+) -> Job[Playback]:
+    """The frames to play for a recording scaled to the databases' body."""
+    positions, rotations = joint_targets(scale(recording, to_database))
+    targets = positions[:, 0, :2]
+    if settings.target == "body":
+        targets = body_targets(positions[:, 0], rotations[:, 0], yaws, databases)
+    trajectory = make_trajectory(targets, yaws, databases[0].fps, settings)
+    heights = recording.positions[:, 0, 2] / recording.eye_height
+    return (yield from match(trajectory, heights, databases, settings))
+
+
+def _report(
+    recording: Recording,
+    databases: Sequence[MotionDatabase],
+    settings: BakeSettings,
+    scales: _Scales,
+    values: Values,
+    clock: _Clock,
+) -> dict[str, Any]:
+    """What a bake tells of itself."""
+    inputs = [{"kind": "recording", "name": recording.file, "sha256": recording.sha256}]
+    inputs += [{"kind": "database", "name": base.name, "sha256": base.sha256} for base in databases]
+    return {
         "format": REPORT_FORMAT,
         "schema": REPORT_SCHEMA,
         "metrics": summarise(values),
         "series": series(values),
         "timing_s": {**clock.laps, "recorded": float(recording.times[-1])},
         "settings": asdict(settings),
-        "inputs": _inputs(recording, databases),
-        "scale": {"user_to_rig": to_rig, "user_to_database": to_database},
-        "warnings": list(warnings),
+        "inputs": inputs,
+        "scale": {"user_to_rig": scales.rig, "user_to_database": scales.database},
+        "warnings": list(recording.doubts),
     }
-    return BakeResult(
-        rig,
-        tracks,
-        avatar.motion,
-        avatar.contacts,
-        playback,
-        playback.transitions / fps,
-        report,
-        warnings,
-        yardstick,
-    )
 
 
 def scale_motion(motion: Motion, factor: float) -> Motion:
@@ -197,24 +211,27 @@ _IN_WORDS = {
 }
 
 
-def _ease(database: MotionDatabase) -> float:
-    """Height of the head joint of the database's people at ease, over its height in T-pose."""
-    skeleton = database.skeleton
-    return database.eye_height / float(skeleton.tpose_positions()[skeleton.joint("head"), 2])
+@dataclass(frozen=True, slots=True)
+class _Scales:
+    """How many times as large as the user the bodies of rig and databases are."""
+
+    rig: float
+    database: float
 
 
-def _fitting_scale(recording: Recording, skeleton: Skeleton, ease: float) -> float:
-    """How many times as large as the user a body is that stands as the databases' people do.
+def _scales(
+    recording: Recording, databases: Sequence[MotionDatabase], rig: Skeleton, settings: BakeSettings
+) -> _Scales:
+    """By the heights of the head joint at ease; by T-pose heights the avatar would stand on its toes."""
+    ease = max(database.eye_height / _head_height(database.skeleton) for database in databases)
+    user = recording.eye_height - float(recording.mounts.offsets[0, 2])
+    to_rig = ease * _head_height(rig) / user if settings.scale_to_rig else 1.0
+    return _Scales(to_rig, ease * _head_height(databases[0].skeleton) / user)
 
-    Compared are the heights of the head joint at ease; by T-pose heights the avatar would stand on its toes.
-    """
-    head = skeleton.tpose_positions()[skeleton.joint("head"), 2]
-    return float(ease * head / (recording.eye_height - recording.mounts.offsets[0, 2]))
 
-
-def _inputs(recording: Recording, databases: Sequence[MotionDatabase]) -> list[dict[str, str]]:
-    rows = [{"kind": "recording", "name": recording.file, "sha256": recording.sha256}]
-    return rows + [{"kind": "database", "name": base.name, "sha256": base.sha256} for base in databases]
+def _head_height(skeleton: Skeleton) -> float:
+    """Of the head joint in T-pose, metres."""
+    return float(skeleton.tpose_positions()[skeleton.joint("head"), 2])
 
 
 class _Clock:
