@@ -14,7 +14,7 @@ from .core.errors import InputError
 from .core.evaluation.compare import TOLERANCE, compare_reports, comparison_in_words
 from .core.evaluation.experiments import EXPERIMENTS
 from .core.evaluation.limits import failures, parse_limit
-from .core.files import write_atomically
+from .core.files import sha256_of, write_atomically
 from .core.settings import BakeSettings
 
 NO_BPY = "--in-blender measures in Blender: run it there, or install the Python module bpy"
@@ -118,6 +118,8 @@ def evaluate(options: argparse.Namespace) -> Report:
     first = options.predictor[0] if options.predictor else None
     predict = None if options.true_orientation else cli.choose_predictor(first)
     report = cli.run(evaluate_takes(takes, databases, predict, settings, show))
+    weights = [path for path in options.predictor if path != "hmd"]
+    report["inputs"] += [{"kind": "predictor", "name": p, "sha256": sha256_of(p)} for p in weights]
     for entry in report["takes"]:
         cli.say(options, f"{entry['take']}\n{report_in_words(entry)}")
     figures = add_experiments(options, report, names, takes, databases, predict, settings, folder)
