@@ -75,12 +75,18 @@ def plan_feet(
     rotations = world_rotations(motion, [leg.end for leg in legs])
     positions = world_positions(motion, rotations)
     held = np.zeros_like(contacts)
+    paths = [positions[leg.end] + quat.rotate(rotations[leg.end], leg.shift) for leg in legs]
     toes = np.empty((len(motion), 2, 3))
-    for side, leg in enumerate(legs):
-        path = positions[leg.end] + quat.rotate(rotations[leg.end], leg.shift)
-        found = locks.find_locks(path, contacts[:, side], leg.height, unlock_distance, motion.fps)
+    both = locks.take_turns(
+        [
+            locks.find_locks(path, contacts[:, side], leg.height, unlock_distance, motion.fps)
+            for side, (leg, path) in enumerate(zip(legs, paths, strict=True))
+        ],
+        motion.fps,
+    )
+    for side, (leg, path) in enumerate(zip(legs, paths, strict=True)):
         pitch = heel.pitch_of(rotations[leg.foot], leg.to_toe)
-        found = _within_reach(found, pitch, hips[leg.thigh], leg)
+        found = _within_reach(both[side], pitch, hips[leg.thigh], leg)
         for lock in found:
             held[lock.first : lock.last + 1, side] = True
         free = _freedom(held[:, side], _FREE_S * motion.fps)

@@ -17,9 +17,9 @@ Array = NDArray[np.floating[Any]]
 
 _STRAIGHT = 0.998
 """Share of a leg's length to which it is stretched at most, as long as a rising heel can help."""
-_RELAXED = 0.99
+_RELAXED = 0.994
 """The same where the motion's own leg is not straighter: people's rarely are, and near full length a knee moves
-far for little, 13 cm a second for each centimetre a second of the hips at 0.998."""
+far for little: 8 cm for each centimetre of the hips at 0.998."""
 _SOFT = 0.05
 """Share of a leg's length over which the rising heel takes over: a knee that locks snaps."""
 _STEEPEST = np.radians(95.0)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -13,7 +15,11 @@ Array = NDArray[np.floating[Any]]
 _SHORTEST_S = 0.1
 """A contact shorter than this holds no foot, a gap shorter than this lets none go."""
 _STEP_S = 0.25
-"""Length of the step by which a foot follows a motion that left its lock behind."""
+"""Length of a short step by which a foot follows a motion that left its lock behind."""
+_STEP_S_PER_M = 0.35
+"""The same for each metre of its way: 0.4 m take 0.39 s, as people's steps on the spot do."""
+_WAIT_S = 0.5
+"""For so long at most such a step waits for the other foot to stand."""
 _LIFT = 0.12
 """Height of such a step over its length."""
 _CLEARANCE = 0.02
@@ -68,6 +74,34 @@ def find_locks(
             steps = count >= shortest
             begin += max(count, 1) - 1 + step
     return locks
+
+
+def take_turns(feet: Sequence[list[Lock]], fps: float) -> list[list[Lock]]:
+    """Locks of both feet whose own steps take the time that their length asks for, and one foot at a time.
+
+    A step waits for the other foot to stand as long as its own next lock leaves room for that.
+    """
+    out = [list(locks) for locks in feet]
+    own = sorted(
+        (lock.first, side, i) for side, locks in enumerate(out) for i, lock in enumerate(locks) if lock.steps
+    )
+    waiting = {(side, i) for _, side, i in own}
+    for _, side, i in own:
+        waiting.remove((side, i))
+        before, lock = out[side][i - 1], out[side][i]
+        way = float(np.linalg.norm(lock.point - before.point))
+        length = round((_STEP_S + _STEP_S_PER_M * way) * fps)
+        latest = lock.last - max(2, round(_SHORTEST_S * fps)) - length
+        start = before.last
+        other = out[1 - side]
+        for k, (left, back) in enumerate(pairwise(other), start=1):
+            # a step that is still to be placed will wait for this one
+            overlaps = left.last < start + length and start < back.first and (1 - side, k) not in waiting
+            if overlaps and back.first <= min(latest, before.last + _WAIT_S * fps):
+                start = back.first
+        if start <= latest:
+            out[side][i - 1], out[side][i] = replace(before, last=start), replace(lock, first=start + length)
+    return out
 
 
 def offsets(path: Array, locks: list[Lock], blend: int) -> Array:

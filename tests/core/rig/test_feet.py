@@ -9,7 +9,7 @@ import pytest
 from footwork.core.database.contacts import find_contacts, toe_positions
 from footwork.core.mocap.skeleton import Motion
 from footwork.core.rig.feet import place_feet, plan_feet
-from footwork.core.rig.locks import clear, find_locks, offsets
+from footwork.core.rig.locks import Lock, clear, find_locks, offsets, take_turns
 
 UNLOCK, HALFLIFE = 0.2, 0.1
 
@@ -170,3 +170,36 @@ def test_clearance_keeps_what_is_high_and_lifts_what_is_low() -> None:
     np.testing.assert_allclose(clear(heights, held, 60.0)[20:40], 0.1, atol=2e-3)
     low = clear(np.where(held, 0.0, -0.03), held, 60.0)
     assert (low >= 0.0).all() and low[30] > 0.015 and (low[held] == 0.0).all()
+
+
+def test_own_steps_take_turns_and_their_time() -> None:
+    def pair(stop: int, way: float) -> list[Lock]:
+        here, there = np.zeros(3), np.array([way, 0.0, 0.0])
+        return [Lock(0, stop, here, False), Lock(stop + 15, 400, there, True)]
+
+    left, right = take_turns([pair(100, 0.1), pair(105, 0.4)], 60.0)
+    assert [lock.first for lock in left] == [0, 100 + round((0.25 + 0.35 * 0.1) * 60)]
+    assert right[0].last >= left[1].first and right[1].first - right[0].last == round(
+        (0.25 + 0.35 * 0.4) * 60
+    )
+    # no room to wait: the step stays where it was
+    short = [Lock(0, 105, np.zeros(3), False), Lock(120, 128, np.ones(3), True)]
+    assert take_turns([pair(100, 0.1), short], 60.0)[1] == short
+
+
+def test_a_knee_does_not_snap_where_the_leg_gets_straight(walk: Motion) -> None:
+    frames = 240
+    body = replace(
+        walk, positions=walk.positions[:1].repeat(frames, 0), rotations=walk.rotations[:1].repeat(frames, 0)
+    )
+    rise = 0.04 * np.sin(2.0 * np.pi * np.arange(frames) / 60.0)
+    moved = replace(body, positions=body.positions + rise[:, None] * np.array([0.0, 0.0, 1.0]))
+    plan = plan_feet(body, np.ones((frames, 2), np.bool_), UNLOCK, HALFLIFE, moved)
+    placed = place_feet(moved, plan).forward()[0]
+    knee = np.linalg.norm(np.diff(placed[:, placed_joint(body, "shin.L")], 2, axis=0), axis=-1) * 3600.0
+    # the hips' own peak is 1.6 m/s^2; a leg locked at 0.998 of its length gives more than 40
+    assert knee.max() < 20.0
+
+
+def placed_joint(motion: Motion, role: str) -> int:
+    return motion.skeleton.joint(role)

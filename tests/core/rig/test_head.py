@@ -157,3 +157,17 @@ def test_short_motions(walk: Motion, targets, frames: int, world) -> None:
     short = replace(walk, positions=walk.positions[:frames], rotations=walk.rotations[:frames])
     placed, _ = place_head(short, targets[0][:frames], targets[1][:frames], np.ones(frames, np.bool_))
     assert np.linalg.norm(world(placed, "head")[0] - targets[0][:frames], axis=-1).max() < 1e-9
+
+
+def test_hips_under_a_steady_head_are_steady_whatever_the_spine_does(world) -> None:
+    frames = 600
+    body = standing(frames)
+    places, turns = world(body, "head")
+    swing = np.radians(5.0) * np.sin(2.0 * np.pi * 4.0 * np.arange(frames) / 60.0)
+    rotations = body.rotations.copy()
+    spine = body.skeleton.joint("spine1")
+    rotations[:, spine] = np.stack([np.cos(swing / 2), np.sin(swing / 2), 0 * swing, 0 * swing], axis=-1)
+    placed, _ = place_head(replace(body, rotations=rotations), places, turns, all_valid(body))
+    assert np.linalg.norm(world(placed, "head")[0] - places, axis=-1).max() < 1e-9
+    # the swing moves the head by 4 cm to either side
+    assert np.ptp(placed.positions[60:-60, 1]) < 0.008
