@@ -17,6 +17,14 @@ from ..core.rig.rig import Rig
 ROLE_MAP = "footwork_roles"
 """Custom property of an armature object: role -> bone name for what was set by hand, "" for "no bone"."""
 
+SWITCHES = {
+    "IK_FK": (1.0, "lets IK hide the bake"),
+    "FK_limb_follow": (0.0, "holds the limb back when the body turns"),
+    "neck_follow": (1.0, "holds the neck back when the body turns"),
+    "head_follow": (1.0, "holds the head back when the body turns"),
+}
+"""Rigify's switches on pose bones: the value with which keys on FK controls show as they are, and what others do."""
+
 
 def armature_to_rig(obj: bpy.types.Object, metres_per_unit: float = 1.0) -> Rig:
     """Read the rest pose and world transform of an armature object.
@@ -40,14 +48,15 @@ def armature_to_rig(obj: bpy.types.Object, metres_per_unit: float = 1.0) -> Rig:
         )
     world = np.array(obj.matrix_world, dtype=np.float64)
     world[:3] *= metres_per_unit
+    order, parents = _as_moved(obj, names, parents)
     return Rig(
         name=obj.name,
-        bones=names,
+        bones=tuple(names[bone] for bone in order),
         parents=np.array(parents, dtype=np.intp),
-        rest=np.array([bone.matrix_local for bone in bones], dtype=np.float64).reshape(-1, 4, 4),
-        tails=np.array([bone.tail_local for bone in bones], dtype=np.float64).reshape(-1, 3),
+        rest=np.array([bones[bone].matrix_local for bone in order], dtype=np.float64).reshape(-1, 4, 4),
+        tails=np.array([bones[bone].tail_local for bone in order], dtype=np.float64).reshape(-1, 3),
         world=world,
-        roles=roles,
+        roles=tuple(roles[bone] for bone in order),
     )
 
 
@@ -106,9 +115,10 @@ def rig_doubts(obj: bpy.types.Object) -> tuple[str, ...]:
     loose = [bone.name for bone in mapped if bone.parent and not bone.bone.use_inherit_rotation]
     if loose:
         doubts.append(f"{_some(loose)}: Inherit Rotation is off, the pose will differ")
-    on_ik = [bone.name for bone in obj.pose.bones if bone.get("IK_FK") in (0, 0.0)]
-    if on_ik:
-        doubts.append(f"{_some(on_ik)}: IK-FK is on IK, which hides the bake; set it to FK")
+    for switch, (wanted, why) in SWITCHES.items():
+        wrong = [b.name for b in obj.pose.bones if switch in b and abs(b[switch] - wanted) > 1e-3]
+        if wrong:
+            doubts.append(f"{_some(wrong)}: {switch} {why}; set it to {wanted:g}")
     data = obj.animation_data
     if data is not None and any(not track.mute for track in data.nla_tracks):
         doubts.append("NLA tracks are active and play below the bake")
@@ -174,6 +184,52 @@ def _hierarchy(
     # Blender lists bones from the roots down
     assert all(parent < number for number, parent in enumerate(parents))
     return tuple(index), tuple(parents), bones
+
+
+def _as_moved(
+    obj: bpy.types.Object, names: tuple[str, ...], parents: tuple[int, ...]
+) -> tuple[list[int], list[int]]:
+    """The bones parents first, and their parents in that order, with bones that copy another below that one.
+
+    Rigify hangs an arm on a bone that copies the shoulder's control: keys on the control move the arm.
+    """
+    index = {name: number for number, name in enumerate(names)}
+    above = list(parents)
+    for number, name in enumerate(names):
+        leader = index.get(_copied(obj, obj.pose.bones[name]), -1)
+        walk = leader
+        while walk >= 0 and walk != number:
+            walk = above[walk]
+        if leader >= 0 and walk < 0:
+            above[number] = leader
+    depths = []
+    for number in range(len(names)):
+        depth, walk = 0, number
+        while above[walk] >= 0:
+            depth, walk = depth + 1, above[walk]
+        depths.append(depth)
+    order = list(range(len(names)))
+    if any(parent > number for number, parent in enumerate(above)):
+        order.sort(key=lambda number: depths[number])
+    place = {bone: number for number, bone in enumerate(order)}
+    return order, [place[above[bone]] if above[bone] >= 0 else -1 for bone in order]
+
+
+def _copied(obj: bpy.types.Object, bone: bpy.types.PoseBone) -> str:
+    """The bone of the same rest pose that this one does nothing but copy, "" for none."""
+    active = [c for c in bone.constraints if not c.mute and c.influence > 0.0]
+    if len(active) != 1 or active[0].type != "COPY_TRANSFORMS" or active[0].influence < 1.0:
+        return ""
+    (copy,) = active
+    leader = obj.pose.bones.get(copy.subtarget) if copy.target == obj else None
+    if (
+        leader is None
+        or copy.mix_mode != "REPLACE"
+        or {copy.owner_space, copy.target_space} - {"WORLD", "POSE"}
+    ):
+        return ""
+    same = np.allclose(leader.bone.matrix_local, bone.bone.matrix_local, atol=1e-4)
+    return leader.name if same else ""
 
 
 @lru_cache(maxsize=16)

@@ -7,8 +7,10 @@ import helpers
 import numpy as np
 import pytest
 from footwork.bridge import armature
+from footwork.bridge.action import write_action
 from footwork.core.errors import InputError
-from footwork.core.rig.fit import rig_from_skeleton
+from footwork.core.rig.fit import fit_rig, rig_from_skeleton, to_bone_tracks
+from footwork.core.rig.retarget import retarget
 from footwork.core.rig.rig import Rig
 
 
@@ -103,6 +105,8 @@ def test_what_spoils_a_bake_is_told(empty) -> None:
     wrist.constraints.new("COPY_ROTATION")
     obj.pose.bones["LeftElbow"].driver_add("rotation_quaternion", 0)
     obj.pose.bones["Head"]["IK_FK"] = 0.0
+    obj.pose.bones["LeftHip"]["IK_FK"] = 1.0
+    obj.pose.bones["Hips"]["head_follow"] = 0.5
     obj.data.bones["RightKnee"].use_inherit_rotation = False
     obj.data.pose_position = "REST"
     obj.animation_data.nla_tracks.new()
@@ -110,12 +114,57 @@ def test_what_spoils_a_bake_is_told(empty) -> None:
     for text in (
         "Constraints act on LeftWrist",
         "Drivers win over keys on LeftElbow",
-        "Head: IK-FK",
+        "Head: IK_FK lets IK hide the bake; set it to 1",
+        "Hips: head_follow holds",
         "RightKnee: Inherit",
         "rest position",
         "NLA",
     ):
         assert sum(text in doubt for doubt in doubts) == 1, text
+
+
+def test_limbs_that_hang_on_a_copy_of_a_control_follow_it(empty) -> None:
+    body = helpers.skeleton()
+    obj = armature.create_armature(rig_from_skeleton(body, "Person"), "Person", empty.collection)
+    armature.set_roles(obj, armature.role_map(obj))
+    bpy.context.view_layer.objects.active = obj
+    bpy.ops.object.mode_set(mode="EDIT")
+    edit = obj.data.edit_bones
+    for side in ("Left", "Right"):
+        copy = edit.new(f"ORG-{side}Collar")
+        copy.head, copy.tail, copy.roll = (
+            getattr(edit[f"{side}Collar"], p) for p in ("head", "tail", "roll")
+        )
+        copy.parent, edit[f"{side}Shoulder"].parent = edit["Chest4"], copy
+    bpy.ops.object.mode_set(mode="OBJECT")
+    for side in ("Left", "Right"):
+        constraint = obj.pose.bones[f"ORG-{side}Collar"].constraints.new("COPY_TRANSFORMS")
+        constraint.target, constraint.subtarget = obj, f"{side}Collar"
+    rig = armature.armature_to_rig(obj)
+    above = dict(zip(rig.bones, [rig.bones[p] if p >= 0 else "" for p in rig.parents], strict=True))
+    assert above["LeftShoulder"] == "ORG-LeftCollar" and above["ORG-LeftCollar"] == "LeftCollar"
+    assert all(parent < number for number, parent in enumerate(rig.parents))
+
+    fit = fit_rig(rig)
+    moved = retarget(helpers.motion(body), fit.skeleton)
+    write_action(obj, to_bone_tracks(moved, fit, 60.0), "x", fps=60.0)
+    expected, _ = moved.forward()
+    for frame in (0, 25, 59):
+        empty.frame_set(1 + frame)
+        assert np.abs(helpers.world_heads(obj, fit.skeleton.names) - expected[frame]).max() < 1e-4
+
+
+@pytest.mark.parametrize("why", ["muted", "weak", "elsewhere", "of itself below"])
+def test_other_copies_hang_where_they_are(empty, why: str) -> None:
+    body = helpers.skeleton()
+    obj = armature.create_armature(rig_from_skeleton(body, "Person"), "Person", empty.collection)
+    before = armature.armature_to_rig(obj)
+    name, leader = ("LeftElbow", "LeftWrist") if why == "of itself below" else ("LeftWrist", "RightWrist")
+    constraint = obj.pose.bones[name].constraints.new("COPY_TRANSFORMS")
+    constraint.target, constraint.subtarget = obj, leader
+    constraint.mute, constraint.influence = why == "muted", 0.5 if why == "weak" else 1.0
+    after = armature.armature_to_rig(obj)
+    assert after.bones == before.bones and np.array_equal(after.parents, before.parents)
 
 
 def test_hips_that_cannot_move_are_refused(empty) -> None:
