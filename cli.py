@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import os
 import sys
 import traceback
 from collections.abc import Callable, Sequence
@@ -55,6 +56,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         return BAD_INPUT
     except KeyboardInterrupt:
         return _cancelled(options.verb)
+    except BrokenPipeError:  # whoever read our output has read enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except Exception:
         # Blender's operators turn a cancel into an error of theirs
         if "KeyboardInterrupt" in traceback.format_exc():
@@ -65,7 +68,9 @@ def main(argv: Sequence[str] | None = None) -> int:
             file=sys.stderr,
         )
         return BUG
-    return LIMIT if report.get("failed") else DONE
+    else:
+        return LIMIT if report.get("failed") else DONE
+    return DONE
 
 
 def _cancelled(verb: str) -> int:
@@ -143,6 +148,11 @@ def _add_build(sub: argparse.ArgumentParser) -> None:
         metavar="TAKE:FROM-TO",
         help="seconds of a take to leave out; may be repeated",
     )
+    sub.add_argument(
+        "--skeleton",
+        metavar="DB.npz",
+        help="build on this database's skeleton, so that a bake can use both (default: the first take's)",
+    )
     add_settings(sub, DatabaseSettings, skip=("height_low", "height_high"))
 
 
@@ -202,12 +212,13 @@ def build(options: argparse.Namespace) -> Report:
     from .core.database.build import build_database
     from .core.database.clips import parse_exclusion
     from .core.database.describe import describe_database
-    from .core.database.sidecar import save_database
+    from .core.database.sidecar import load_database, save_database
 
     low, high = options.height_range
     settings = read_settings(options, DatabaseSettings, height_low=low, height_high=high)
     if not low < high:
         raise InputError(f"--height-range {low:g} {high:g}: the first must be less than the second")
+    skeleton = load_database(options.skeleton).skeleton if options.skeleton else None
     takes = load_takes(options.takes, settings.fps)
     job = build_database(
         takes,
@@ -215,6 +226,7 @@ def build(options: argparse.Namespace) -> Report:
         name=Path(options.output).stem,
         tags=tuple(options.tag),
         exclude=[parse_exclusion(text) for text in options.exclude],
+        skeleton=skeleton,
     )
     database = run(job)
     save_database(Path(options.output), database)
@@ -312,6 +324,8 @@ def bake(options: argparse.Namespace) -> Report:
     predict = choose_predictor(options.predictor)
     fps = options.fps or databases[0].fps
     target = files.open_target(options.rig, fps)
+    for doubt in target.doubts:
+        print(f"{target.name}: doubtful: {doubt}", file=sys.stderr)
     result = run(bake_job(recording, databases, predict, target.rig, settings, output_fps=fps))
     for kind, path in (
         ("predictor", None if options.predictor == "hmd" else options.predictor),

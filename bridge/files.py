@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -18,7 +20,7 @@ from ..core.mocap.skeleton import Motion
 from ..core.pipeline import BakeResult
 from ..core.rig.rig import Rig
 from .action import write_action
-from .armature import armature_to_rig, create_armature
+from .armature import armature_to_rig, create_armature, rig_doubts
 
 RIG_FORMATS = (".blend", ".fbx", ".glb", ".gltf", ".vrm")
 
@@ -41,6 +43,8 @@ class Target:
     """The rig found in a file; None until one is made from the database."""
     object_name: str
     fps: float
+    doubts: tuple[str, ...] = ()
+    """What on the rig will show in the bake."""
     motion: Motion | None = None
     """What was written, for exports that Blender does not do."""
 
@@ -87,7 +91,7 @@ def open_target(spec: str | None, fps: float) -> Target:
     _set_rate(fps)
     armature = _armature(path, object_name)
     bpy.context.view_layer.update()
-    return Target(armature_to_rig(armature), armature.name, fps)
+    return Target(armature_to_rig(armature), armature.name, fps, rig_doubts(armature))
 
 
 def split_rig(spec: str) -> tuple[Path, str]:
@@ -109,10 +113,12 @@ def _load(path: Path) -> None:
             bpy.ops.wm.open_mainfile(filepath=str(path))
             return
         bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-        if kind == ".fbx":
-            bpy.ops.import_scene.fbx(filepath=str(path))
-        else:
-            bpy.ops.import_scene.gltf(filepath=str(path))
+        # importers print the same fault at length
+        with contextlib.redirect_stderr(io.StringIO()):
+            if kind == ".fbx":
+                bpy.ops.import_scene.fbx(filepath=str(path))
+            else:
+                bpy.ops.import_scene.gltf(filepath=str(path))
     except RuntimeError as error:
         raise InputError(f"{path}: Blender cannot read it: {str(error).splitlines()[0]}") from error
 
