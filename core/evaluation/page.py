@@ -15,7 +15,8 @@ body { font: 15px/1.5 system-ui, sans-serif; color: #222; background: #fff; max-
 h1 { font-size: 1.6rem; } h2 { margin-top: 2.5rem; border-bottom: 2px solid #ddd; } h3 { margin-top: 1.8rem; }
 table { border-collapse: collapse; margin: 1rem 0; font-size: 0.88rem; display: block; overflow-x: auto; }
 th, td { padding: 0.25rem 0.6rem; border-bottom: 1px solid #e4e4e4; text-align: right; }
-th { vertical-align: bottom; background: #f5f5f5; } th:first-child, td:first-child { text-align: left; }
+th { vertical-align: bottom; background: #f5f5f5; }
+th:first-child, td:first-child, th:nth-child(9):last-child { text-align: left; }
 td { white-space: nowrap; }
 td.says { white-space: normal; text-align: left; min-width: 16rem; color: #666; font-size: 0.82rem; }
 img { max-width: 100%; display: block; margin: 1rem 0; }
