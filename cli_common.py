@@ -28,6 +28,7 @@ _INPUTS = (
     "rig",
     "train_on",
     "against",
+    "skeleton",
     "old",
     "new",
 )
@@ -92,7 +93,9 @@ def check_outputs(options: argparse.Namespace) -> None:
     """Raise InputError, before any work, where what a verb is to write cannot be written or is one of its inputs."""
     outputs = [options.output, *getattr(options, "export", ())] if options.writes else []
     if outputs and Path(outputs[0]).suffix.lower() != options.writes:
-        raise InputError(f"{outputs[0]}: cannot write this kind of file; let its name end in {options.writes}")
+        raise InputError(
+            f"{outputs[0]}: cannot write this kind of file; let its name end in {options.writes}"
+        )
     if options.json not in (None, "-"):
         outputs.append(options.json)
     inputs = {Path(path).resolve() for path in _inputs(options)}

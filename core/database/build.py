@@ -14,7 +14,7 @@ from .. import VERSION
 from ..errors import InputError
 from ..jobs import Job
 from ..mocap.edit import cut, mirror, resample
-from ..mocap.skeleton import Motion, Take
+from ..mocap.skeleton import Motion, Skeleton, Take
 from ..mocap.standing import standing_head_height
 from ..settings import DatabaseSettings, check
 from .carry import carry_over
@@ -48,11 +48,12 @@ def build_database(
     name: str,
     tags: Sequence[str] = (),
     exclude: Sequence[Exclusion] = (),
+    skeleton: Skeleton | None = None,
 ) -> Job[MotionDatabase]:
     """Build a motion database.
 
-    The first take's skeleton is the database's; takes on another are carried over by joint role, takes at
-    another rate are resampled. With `settings.mirror` the mirror images follow after all clips.
+    Takes on another skeleton than the database's are carried over by joint role, takes at another rate are
+    resampled. With `settings.mirror` the mirror images follow after all clips.
 
     Args:
         takes: at least one.
@@ -60,6 +61,8 @@ def build_database(
         name: shown to people.
         tags: words to find the database by.
         exclude: stretches of takes to leave out; what remains on both sides becomes clips of its own.
+        skeleton: the database's, such as that of another database that a bake is to use, too; by default the
+            first take's.
 
     Raises:
         InputError: no take, a setting out of bounds, an exclusion of an unknown take, or nothing long enough.
@@ -71,7 +74,7 @@ def build_database(
     if not takes:
         raise InputError(f"database {name!r}: no takes; give at least one mocap file")
     check_exclusions(takes, exclude)
-    skeleton = takes[0].motion.skeleton
+    skeleton = skeleton or takes[0].motion.skeleton
     pieces: list[_Piece] = []
     mirrored: list[_Piece] = []
     skipped: list[str] = []

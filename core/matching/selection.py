@@ -77,10 +77,10 @@ def check_databases(databases: Sequence[MotionDatabase]) -> None:
             database.skeleton.parents, first.skeleton.parents
         )
         if not same:
-            raise InputError(f"{where}: other joints than {first.name!r}; retarget it to that skeleton first")
+            raise InputError(f"{where}: other joints than {first.name!r}; build it on that skeleton (--skeleton)")
         gap = float(np.max(np.linalg.norm(database.skeleton.offsets - first.skeleton.offsets, axis=-1)))
         if gap > SAME_SKELETON_M:
             raise InputError(
                 f"{where}: its body differs from {first.name!r} by {100.0 * gap:.1f} cm; "
-                "retarget it to that skeleton first"
+                "build it on that skeleton (--skeleton)"
             )

@@ -51,6 +51,13 @@ def test_clip_table_and_progress(as_take) -> None:
     np.testing.assert_array_equal(invalid, [*range(780, 840), *range(1650, 1710)])
 
 
+def test_another_skeleton_can_be_given(as_take) -> None:
+    tall, small = (as_take(demo_motion("turn", height=height), "turn") for height in (1.9, 1.6))
+    database = build([small], skeleton=tall.motion.skeleton)
+    assert database.skeleton is tall.motion.skeleton
+    assert database.eye_height == pytest.approx(build([tall]).eye_height, rel=0.01)
+
+
 def test_folders_of_the_takes_do_not_matter(as_take, tmp_path) -> None:
     take = as_take(demo_motion("turn"), "turn")
     for i, folder in enumerate(("/home/a/", "C:\\Users\\b\\")):
