@@ -1,7 +1,7 @@
 """A fixed small set that must stay good: the procedural demo always, public takes where they are at hand.
 
-Limits lie well above what was measured when they were set (in brackets: greedy search, path search), by a third or more:
-they are there to catch what breaks, not to rank. Public takes are those whose licences allow any use: Xsens takes
+Limits lie a third or more above what was measured when they were set (beside them: greedy search, path search): they
+are there to catch what breaks, not to rank. Public takes are those whose licences allow any use: Xsens takes
 of two people (MIT, CC BY 4.0) as database and user, and a CMU user. True body orientation throughout.
 """
 
