@@ -77,7 +77,9 @@ def check_databases(databases: Sequence[MotionDatabase]) -> None:
             database.skeleton.parents, first.skeleton.parents
         )
         if not same:
-            raise InputError(f"{where}: other joints than {first.name!r}; build it on that skeleton (--skeleton)")
+            raise InputError(
+                f"{where}: other joints than {first.name!r}; build it on that skeleton (--skeleton)"
+            )
         gap = float(np.max(np.linalg.norm(database.skeleton.offsets - first.skeleton.offsets, axis=-1)))
         if gap > SAME_SKELETON_M:
             raise InputError(
