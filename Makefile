@@ -50,6 +50,9 @@ test-core: $(VENV)/.dev
 zip: $(VENV)/.runtime
 	$(PY) tools/build_extension.py
 
+# kept, though only a step on the way
+.PRECIOUS: $(VENV)-%/.ready
+
 # One virtual environment for each Blender; numpy 1 for 4.2, which its wheel does not pin.
 $(VENV)-%/.ready:
 	@echo "Fetching Blender $* into $(VENV)-$* ..."
