@@ -32,12 +32,6 @@ def read_settings(properties: bpy.types.PropertyGroup, settings: type[Settings])
     return result
 
 
-def write_settings(properties: bpy.types.PropertyGroup, settings: Any) -> None:
-    """Set a property group to a settings dataclass."""
-    for item in fields(settings):
-        setattr(properties, item.name, getattr(settings, item.name))
-
-
 def _as_typed(value: float, default: float, low: float | None, high: float | None) -> float:
     typed = float(f"{value:.7g}")
     if typed == float(f"{default:.7g}"):

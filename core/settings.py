@@ -94,7 +94,7 @@ class BakeSettings:
     alpha: float = setting(
         0.3,
         "Position Accuracy",
-        "Alpha: the avatar's root never leaves the user's body by more than this",
+        "Alpha: the root of the matched motion never leaves its target by more than this",
         low=0.01,
         high=2.0,
         unit="m",

@@ -129,7 +129,7 @@ def test_without_matplotlib_the_tables_still_come(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.setitem(sys.modules, "matplotlib", None)
-    monkeypatch.delitem(sys.modules, "footwork.cli_figures", raising=False)
+    monkeypatch.delitem(sys.modules, "footwork.cli.figures", raising=False)
     arguments = ["--database", str(walk), "-o", str(tmp_path), *GREEDY]
     assert main(["evaluate", str(demo / "sidestep.bvh"), *arguments]) == 0
     assert "matplotlib" in capsys.readouterr().err

@@ -78,7 +78,7 @@ def test_torch_is_imported_by_training_alone() -> None:
 
 def test_blender_is_imported_only_above_core_and_nn() -> None:
     users = [path for package in ("core", "nn") for path in modules(package)]
-    for path in [*users, ROOT / "cli.py"]:
+    for path in [*users, *modules("cli")]:
         assert not {"bpy", "mathutils"} & top_level_imports(path), path
 
 

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 from footwork.core.database.motion_database import MotionDatabase
 from footwork.core.jobs import run
-from footwork.core.matching.path_search import Schedule, find_path
+from footwork.core.matching.path_search import POSITION_M, Schedule, find_path
 from footwork.core.matching.playback import match
 from footwork.core.matching.trajectory import Trajectory, make_trajectory
 from footwork.core.settings import BakeSettings
@@ -36,7 +36,8 @@ def test_who_moves_as_a_clip_does_is_played_that_clip(make_database, seed: int, 
     trajectory = along(database, start, start + 150)
     playback = run(match(trajectory, np.ones(150), [database], SETTINGS))
     assert len(playback.transitions) <= 1
-    assert np.linalg.norm(playback.root_positions - trajectory.targets, axis=-1).max() < 0.05
+    # less than what costs 1: the targets are smoothed, the clip is not
+    assert np.linalg.norm(playback.root_positions - trajectory.targets, axis=-1).max() < POSITION_M
 
 
 def test_a_schedule_stays_within_clips_and_says_where_it_changes(make_database) -> None:

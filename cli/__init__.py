@@ -13,8 +13,12 @@ import traceback
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from . import cli_evaluate
-from .cli_common import (
+from ..core.errors import InputError
+from ..core.files import sha256_of
+from ..core.settings import BakeSettings, DatabaseSettings
+from ..nn.settings import TrainSettings
+from . import evaluate as evaluation
+from .common import (
     Report,
     add_bake_options,
     add_settings,
@@ -29,10 +33,6 @@ from .cli_common import (
     say,
     write_report,
 )
-from .core.errors import InputError
-from .core.files import sha256_of
-from .core.settings import BakeSettings, DatabaseSettings
-from .nn.settings import TrainSettings
 
 DONE, BUG, BAD_INPUT, LIMIT = 0, 1, 2, 3
 
@@ -123,7 +123,7 @@ def make_parser() -> argparse.ArgumentParser:
     sub.add_argument("take", metavar="TAKE", help="a BVH take")
     sub.add_argument("-o", "--output", required=True, metavar="R.csv", help="the recording to write")
     _add_bake(verb("bake", bake, "turn a recording into an animated rig", ".blend"))
-    cli_evaluate.add_verbs(verb)
+    evaluation.add_verbs(verb)
     return parser
 
 
@@ -192,8 +192,8 @@ def _add_bake(sub: argparse.ArgumentParser) -> None:
 
 def inspect(options: argparse.Namespace) -> Report:
     """What is in takes and recordings, and what is doubtful."""
-    from .core.mocap.takes import load_take
-    from .core.recording.read import read_recording
+    from ..core.mocap.takes import load_take
+    from ..core.recording.read import read_recording
 
     def look(path: str) -> Report:
         found = load_take(path) if path.lower().endswith(".bvh") else read_recording(path)
@@ -209,10 +209,10 @@ def inspect(options: argparse.Namespace) -> Report:
 
 def build(options: argparse.Namespace) -> Report:
     """A motion database from takes."""
-    from .core.database.build import build_database
-    from .core.database.clips import parse_exclusion
-    from .core.database.describe import describe_database
-    from .core.database.sidecar import load_database, save_database
+    from ..core.database.build import build_database
+    from ..core.database.clips import parse_exclusion
+    from ..core.database.describe import describe_database
+    from ..core.database.sidecar import load_database, save_database
 
     low, high = options.height_range
     settings = read_settings(options, DatabaseSettings, height_low=low, height_high=high)
@@ -239,8 +239,8 @@ def build(options: argparse.Namespace) -> Report:
 
 def info(options: argparse.Namespace) -> Report:
     """What a database holds."""
-    from .core.database.describe import describe_database
-    from .core.database.sidecar import load_database
+    from ..core.database.describe import describe_database
+    from ..core.database.sidecar import load_database
 
     report = describe_database(load_database(Path(options.database)))
     low, high = report["height_range"]
@@ -261,8 +261,8 @@ def info(options: argparse.Namespace) -> Report:
 
 def train(options: argparse.Namespace) -> Report:
     """A body-orientation predictor from takes."""
-    from .nn.settings import TrainSettings
-    from .nn.train import train_predictor
+    from ..nn.settings import TrainSettings
+    from ..nn.train import train_predictor
 
     settings = read_settings(options, TrainSettings)
     takes = load_takes(options.takes)
@@ -271,8 +271,8 @@ def train(options: argparse.Namespace) -> Report:
 
 def evaluate_predictor(options: argparse.Namespace) -> Report:
     """Orientation errors of predictors beside the headset's forward."""
-    from .nn.evaluate import errors_in_words, evaluate_predictors
-    from .nn.predictor import load_predictor, shipped_predictors
+    from ..nn.evaluate import errors_in_words, evaluate_predictors
+    from ..nn.predictor import load_predictor, shipped_predictors
 
     if options.predictor:
         paths = list(dict.fromkeys(options.predictor))
@@ -288,8 +288,8 @@ def evaluate_predictor(options: argparse.Namespace) -> Report:
 
 def simulate(options: argparse.Namespace) -> Report:
     """A recording with virtual trackers from a take."""
-    from .core.recording.csv_format import write_csv
-    from .core.recording.simulate import simulate_recording
+    from ..core.recording.csv_format import write_csv
+    from ..core.recording.simulate import simulate_recording
 
     (take,) = load_takes([options.take])
     recording = simulate_recording(take.motion, take.name)
@@ -300,13 +300,13 @@ def simulate(options: argparse.Namespace) -> Report:
 
 def bake(options: argparse.Namespace) -> Report:
     """An animated rig from a recording, written as a Blender file."""
-    from .core.pipeline import bake as bake_job
-    from .core.pipeline import report_in_words
-    from .core.recording.cut import cut
-    from .core.recording.read import read_recording
+    from ..core.pipeline import bake as bake_job
+    from ..core.pipeline import report_in_words
+    from ..core.recording.cut import cut
+    from ..core.recording.read import read_recording
 
     try:
-        from .bridge import files
+        from ..bridge import files
     except ModuleNotFoundError as error:
         if error.name != "bpy":
             raise

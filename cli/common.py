@@ -12,10 +12,10 @@ from dataclasses import MISSING, fields
 from pathlib import Path
 from typing import Any
 
-from .core import jobs
-from .core.errors import InputError
-from .core.files import check_target, write_atomically
-from .core.settings import BakeSettings, check
+from ..core import jobs
+from ..core.errors import InputError
+from ..core.files import check_target, write_atomically
+from ..core.settings import BakeSettings, check
 
 Report = dict[str, Any]
 _INPUTS = (
@@ -180,7 +180,7 @@ def say(options: argparse.Namespace, text: str) -> None:
 
 def load_takes(paths: Sequence[str], fps: float | None = None) -> list[Any]:
     """Takes with their doubts told on standard error."""
-    from .core.mocap.takes import load_take
+    from ..core.mocap.takes import load_take
 
     takes = each(paths, lambda path: load_take(path, fps))
     for take in takes:
@@ -191,14 +191,14 @@ def load_takes(paths: Sequence[str], fps: float | None = None) -> list[Any]:
 
 def load_databases(paths: Sequence[str]) -> list[Any]:
     """Motion databases, all faults told together."""
-    from .core.database.sidecar import load_database
+    from ..core.database.sidecar import load_database
 
     return each(paths, lambda path: load_database(Path(path)))
 
 
 def choose_predictor(name: str | None) -> Callable[[Any], Any]:
     """The function from recording to body yaws that `--predictor` names; what ships by default."""
-    from .nn.predictor import hmd_forward, load_predictor, predict_yaw, shipped_predictor
+    from ..nn.predictor import hmd_forward, load_predictor, predict_yaw, shipped_predictor
 
     if name == "hmd":
         return hmd_forward

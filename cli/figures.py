@@ -12,7 +12,7 @@ matplotlib.use("Agg")
 from matplotlib import pyplot
 from matplotlib.figure import Figure
 
-from .core.evaluation.study import Plot
+from ..core.evaluation.study import Plot
 
 COLOURS = ("#1b6ca8", "#d1495b", "#3a9d5d", "#e3a008", "#7a5195", "#555555")
 _OVER_TIME = (

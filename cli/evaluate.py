@@ -9,13 +9,13 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from . import cli_common as cli
-from .core.errors import InputError
-from .core.evaluation.compare import TOLERANCE, compare_reports, comparison_in_words
-from .core.evaluation.experiments import EXPERIMENTS
-from .core.evaluation.limits import failures, parse_limit
-from .core.files import sha256_of, write_atomically
-from .core.settings import BakeSettings
+from ..core.errors import InputError
+from ..core.evaluation.compare import TOLERANCE, compare_reports, comparison_in_words
+from ..core.evaluation.experiments import EXPERIMENTS
+from ..core.evaluation.limits import failures, parse_limit
+from ..core.files import sha256_of, write_atomically
+from ..core.settings import BakeSettings
+from . import common as cli
 
 NO_BPY = "--in-blender measures in Blender: run it there, or install the Python module bpy"
 Report = dict[str, Any]
@@ -104,8 +104,8 @@ def add_verbs(verb: Callable[..., argparse.ArgumentParser]) -> None:
 
 def evaluate(options: argparse.Namespace) -> Report:
     """Bakes of recordings simulated from takes, compared with the takes themselves."""
-    from .core.evaluation.evaluate import evaluate_takes
-    from .core.pipeline import report_in_words
+    from ..core.evaluation.evaluate import evaluate_takes
+    from ..core.pipeline import report_in_words
 
     settings = cli.read_settings(options, BakeSettings)
     limits = cli.each(options.fail_if, parse_limit)
@@ -147,8 +147,8 @@ def add_experiments(
     folder: Path | None,
 ) -> dict[str, list[Any]]:
     """Make experiments, add their tables to the report, and return their plots by name."""
-    from .core.evaluation.study import Study
-    from .core.evaluation.words import experiment_in_words
+    from ..core.evaluation.study import Study
+    from ..core.evaluation.words import experiment_in_words
 
     predictors: dict[str, Any] = {}
     trained: dict[str, frozenset[str]] = {}
@@ -174,8 +174,8 @@ def compared_predictors(
     options: argparse.Namespace, folder: Path | None
 ) -> tuple[dict[str, Any], dict[str, frozenset[str]]]:
     """The predictors of the experiment orientation by label, and the takes that each was trained on."""
-    from .core.evaluation.experiments_body import HMD
-    from .nn.predictor import hmd_forward, load_predictor, predict_yaw, shipped_predictors
+    from ..core.evaluation.experiments_body import HMD
+    from ..nn.predictor import hmd_forward, load_predictor, predict_yaw, shipped_predictors
 
     given = [path for path in options.predictor if path != "hmd"]
     loaded = list(zip([Path(p).stem for p in given], cli.each(given, load_predictor), strict=True))
@@ -202,9 +202,9 @@ def train_paper_networks(options: argparse.Namespace, folder: Path | None) -> li
     """The paper's network trained with r = 1 and r = 50, to be compared."""
     import tempfile
 
-    from .nn.predictor import load_predictor
-    from .nn.settings import TrainSettings
-    from .nn.train import train_predictor
+    from ..nn.predictor import load_predictor
+    from ..nn.settings import TrainSettings
+    from ..nn.train import train_predictor
 
     takes = cli.load_takes(options.train_on)
     out: list[tuple[str, Any]] = []
@@ -222,7 +222,7 @@ def train_paper_networks(options: argparse.Namespace, folder: Path | None) -> li
 def blender_show() -> Any:
     """What bakes a result on an armature and reads it back as Blender evaluates it."""
     try:
-        from .bridge.shown import show_bake
+        from ..bridge.shown import show_bake
     except ModuleNotFoundError as error:
         if error.name != "bpy":
             raise
@@ -251,13 +251,13 @@ def make(folder: Path) -> Path:
 
 def write_folder(folder: Path, report: Report, plots: dict[str, list[Any]]) -> None:
     """The page, the report and the figures; without matplotlib the page has tables alone."""
-    from .core.evaluation.page import page
+    from ..core.evaluation.page import page
 
     make(folder)
     figures: dict[str, list[tuple[str, bytes]]] = {}
     notes: list[str] = []
     try:
-        from .cli_figures import draw, draw_series
+        from .figures import draw, draw_series
     except ModuleNotFoundError as error:
         if (error.name or "").split(".")[0] != "matplotlib":
             raise
