@@ -45,7 +45,7 @@ lint: $(VENV)/.dev
 	$(VENV)/bin/pyright
 
 test-core: $(VENV)/.dev
-	timeout -k 5 1500 $(PY) -m pytest tests --ignore=tests/blender
+	timeout -k 5 1500 $(PY) -m pytest tests --ignore=tests/blender --hypothesis-profile=ci
 
 zip: $(VENV)/.runtime
 	$(PY) tools/build_extension.py

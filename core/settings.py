@@ -102,7 +102,7 @@ class BakeSettings:
     beta: float = setting(
         4.6,
         "Responsiveness",
-        "Beta: how fast the predicted trajectory follows the headset, per second",
+        "Beta: how fast the causal trajectory follows the headset, per second",
         low=0.1,
         high=50.0,
         unit="1/s",

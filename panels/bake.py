@@ -38,6 +38,9 @@ class FOOTWORK_PT_bake(Part, bpy.types.Panel):
         known = [name for name in settings.__annotations__ if name not in idle]
         layout.use_property_decorate = False
         settings_column(layout, settings, [name for name in MAIN_BAKE_SETTINGS if name in known])
+        waiting = layout.column()
+        waiting.active = False
+        settings_column(waiting, settings, [name for name in MAIN_BAKE_SETTINGS if name in idle])
         grid = layout.grid_flow(row_major=True, columns=2, even_columns=True, align=True)
         for name in FITTING_SETTINGS:
             if name in known:

@@ -9,11 +9,6 @@ import pytest
 from footwork.core.mocap.bvh import write_bvh
 from footwork.core.mocap.demo import demo_motion
 from footwork.core.mocap.export import to_bvh
-from hypothesis import settings
-
-# the same draws in every run: a failure is then always somebody's change
-settings.register_profile("fixed", derandomize=True)
-settings.load_profile("fixed")
 
 DATA = Path(os.environ.get("FOOTWORK_DATA", Path(__file__).parents[2] / "shared" / "data"))
 
