@@ -38,6 +38,8 @@ JUMP_WEIGHT = 0.35
 """Weight on the squared distance of pose features at a change."""
 FUTURE_WEIGHT = 0.05
 """Weight on the squared distance of trajectory features: what lies beyond the step."""
+CANDIDATES = 1 << 16
+"""Frames that may be changed to: of larger databases every second, third ... is one."""
 NEAR_S = 1.0 / 3.0
 """Changes to frames of the same clip this near are no changes worth their cost."""
 _BLOCK = 16
@@ -169,6 +171,8 @@ class _Reel:
         for clip in database.clips:
             self._last[clip.start : clip.stop] = clip.stop - 1
         found = np.flatnonzero(features.trajectory_valid)
+        # every so many of them: neighbours in time are nearly the same, and what is played between may start anywhere
+        found = found[:: -(-len(found) // CANDIDATES)]
         # whole blocks: the last is filled up with its own last frame
         self._rows = np.pad(found, (0, -len(found) % _BLOCK), mode="edge").reshape(-1, _BLOCK)
         self._found = np.ascontiguousarray(self._values[self._rows].swapaxes(0, 1))
