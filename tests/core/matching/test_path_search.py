@@ -40,6 +40,16 @@ def test_who_moves_as_a_clip_does_is_played_that_clip(make_database, seed: int, 
     assert np.linalg.norm(playback.root_positions - trajectory.targets, axis=-1).max() < POSITION_M
 
 
+def test_the_frames_played_are_those_that_were_walked(make_database) -> None:
+    apart = []
+    for seed in range(20):
+        database = make_database(seed=seed, lengths=(300, 250))
+        playback = run(match(along(database, 31, 181), np.ones(150), [database], SETTINGS))
+        apart.append(np.abs(playback.frame - np.arange(31, 181)).max())
+    # the first frame is chosen by its future alone, so it may be a neighbour
+    assert np.median(apart) <= 1 and np.mean(np.array(apart) <= 3) >= 0.95
+
+
 def test_a_schedule_stays_within_clips_and_says_where_it_changes(make_database) -> None:
     database = make_database(lengths=(90, 150, 200, 75))
     other = make_database(seed=7, lengths=(400,))
