@@ -28,7 +28,7 @@ def read_recording(path: str | os.PathLike[str], eye_height: float | None = None
 
     Args:
         path: a file in one of `formats()`.
-        eye_height: height of the headset in metres when its wearer stands upright; by default what the file
+        eye_height: height of the headset in metres when its wearer stands at ease; by default what the file
             states, or the recording's own standing height.
 
     Raises:
