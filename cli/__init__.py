@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from ..core.errors import InputError
-from ..core.files import sha256_of
+from ..core.files import sha256_of, write_atomically
 from ..core.settings import BakeSettings, DatabaseSettings
 from ..nn.settings import TrainSettings
 from . import evaluate as evaluation
@@ -24,6 +24,7 @@ from .common import (
     add_settings,
     check_outputs,
     choose_predictor,
+    drawing,
     each,
     load_databases,
     load_takes,
@@ -117,6 +118,9 @@ def make_parser() -> argparse.ArgumentParser:
         action="append",
         metavar="P.npz",
         help="weights; may be repeated (default: everything that ships)",
+    )
+    sub.add_argument(
+        "--plot", metavar="FILE.png", help="draw the errors: by minute, and how often they are small"
     )
 
     sub = verb("simulate-recording", simulate, "make a recording with virtual trackers from a take", ".csv")
@@ -274,6 +278,7 @@ def evaluate_predictor(options: argparse.Namespace) -> Report:
     from ..nn.evaluate import errors_in_words, evaluate_predictors
     from ..nn.predictor import load_predictor, shipped_predictors
 
+    figures = drawing() if options.plot else None
     if options.predictor:
         paths = list(dict.fromkeys(options.predictor))
         stems = [Path(path).stem for path in paths]
@@ -283,6 +288,8 @@ def evaluate_predictor(options: argparse.Namespace) -> Report:
         predictors = shipped_predictors()
     report = evaluate_predictors(load_takes(options.takes), predictors)
     say(options, errors_in_words(report))
+    if figures is not None:
+        write_atomically(options.plot, lambda file: file.write(figures.draw_predictors(report)))
     return report
 
 

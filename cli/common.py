@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import importlib
 import json
 import os
 import sys
@@ -33,6 +34,7 @@ _INPUTS = (
     "new",
 )
 """Options that name files to read."""
+NO_FIGURES = "no figures: they need matplotlib (pip install matplotlib)"
 
 
 def add_bake_options(parser: argparse.ArgumentParser) -> None:
@@ -96,6 +98,11 @@ def check_outputs(options: argparse.Namespace) -> None:
         raise InputError(
             f"{outputs[0]}: cannot write this kind of file; let its name end in {options.writes}"
         )
+    plot = getattr(options, "plot", None)
+    if plot is not None:
+        if Path(plot).suffix.lower() != ".png":
+            raise InputError(f"{plot}: figures are PNG; let its name end in .png")
+        outputs.append(plot)
     if options.json not in (None, "-"):
         outputs.append(options.json)
     inputs = {Path(path).resolve() for path in _inputs(options)}
@@ -176,6 +183,16 @@ def say(options: argparse.Namespace, text: str) -> None:
     """Print for people, unless standard output carries the JSON report."""
     if options.json != "-":
         print(text)
+
+
+def drawing() -> Any:
+    """The module `figures`; InputError where matplotlib is missing."""
+    try:
+        return importlib.import_module(".figures", __package__)
+    except ModuleNotFoundError as error:
+        if (error.name or "").split(".")[0] != "matplotlib":
+            raise
+        raise InputError(NO_FIGURES) from error
 
 
 def load_takes(paths: Sequence[str], fps: float | None = None) -> list[Any]:

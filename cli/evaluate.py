@@ -257,15 +257,13 @@ def write_folder(folder: Path, report: Report, plots: dict[str, list[Any]]) -> N
     figures: dict[str, list[tuple[str, bytes]]] = {}
     notes: list[str] = []
     try:
-        from .figures import draw, draw_series
-    except ModuleNotFoundError as error:
-        if (error.name or "").split(".")[0] != "matplotlib":
-            raise
-        notes.append("no figures: they need matplotlib (pip install matplotlib)")
-        print(f"footwork evaluate: {notes[0]}", file=sys.stderr)
+        figure = cli.drawing()
+    except InputError as error:
+        notes.append(str(error))
+        print(f"footwork evaluate: {error}", file=sys.stderr)
     else:
-        figures = {name: [(plot.title, draw(plot)) for plot in some] for name, some in plots.items()}
-        figures |= {entry["take"]: [("over time", draw_series(entry))] for entry in report["takes"]}
+        figures = {name: [(plot.title, figure.draw(plot)) for plot in some] for name, some in plots.items()}
+        figures |= {entry["take"]: [("over time", figure.draw_series(entry))] for entry in report["takes"]}
     for name, drawn in figures.items():
         for i, (_, png) in enumerate(drawn):
             target = folder / f"{Path(name).stem}{f'-{i + 1}' if len(drawn) > 1 else ''}.png"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from itertools import cycle
 from typing import Any
 
 import matplotlib
@@ -13,8 +14,13 @@ from matplotlib import pyplot
 from matplotlib.figure import Figure
 
 from ..core.evaluation.study import Plot
+from ..nn.evaluate import HEURISTIC, HMD_FORWARD
 
 COLOURS = ("#1b6ca8", "#d1495b", "#3a9d5d", "#e3a008", "#7a5195", "#555555")
+_UNTRAINED = {
+    HMD_FORWARD: ("headset's forward", "#8c8c8c"),
+    HEURISTIC: ("hands-and-head heuristic", "#c3b59b"),
+}
 _OVER_TIME = (
     ("matched_root_error_cm", "root error of the matched motion, cm"),
     ("root_error_cm", "root error of the avatar, cm"),
@@ -79,6 +85,44 @@ def draw_series(entry: dict[str, Any]) -> bytes:
         axes.grid(alpha=0.3)
     column[-1, 0].set_xlabel("seconds")
     return _png(figure)
+
+
+def draw_predictors(report: dict[str, Any]) -> bytes:
+    """Errors of predictors, from a report of `evaluate_predictors`: over time, and how often they are small."""
+    rows = report["predictors"]
+    named = {name: _UNTRAINED.get(name, (name, ""))[0] for name in rows}
+    labels = {name: f"{label}: mean {rows[name]['mean']:.1f}°" for name, label in named.items()}
+    columns = max(1, min(3, 138 // (max(map(len, labels.values())) + 8)))
+    height = 4.4 + 0.22 * -(-len(rows) // columns)
+    figure, (left, right) = pyplot.subplots(1, 2, figsize=(11.0, height), layout="constrained")
+    minutes = sum(take["seconds"] for take in report["takes"]) / 60.0
+    colours = cycle(COLOURS[:5])
+    for name, row in rows.items():
+        colour = _UNTRAINED[name][1] if name in _UNTRAINED else next(colours)
+        style = {"color": colour, "linewidth": 1.5 if name in _UNTRAINED else 2.0}
+        left.plot(*_minutes(row, minutes), marker="o", markersize=4, label=labels[name], **style)
+        errors, shares = row["percentiles"], np.arange(101.0)
+        right.plot(errors, shares, **style)
+        right.plot(row["mean"], np.interp(row["mean"], errors, shares), "o", color=colour, markersize=7)
+    many = f"the {len(report['takes'])} takes, one after the other"
+    left.set(title="Error in each minute", ylabel="mean error, degrees", xlim=(0.0, minutes))
+    left.set_xlabel(f"minutes of {many if len(report['takes']) > 1 else 'the take'}")
+    left.set_ylim(bottom=0.0)
+    right.set(title="Share of frames with less error", ylabel="frames, %", ylim=(0.0, 100.0))
+    right.set_xlabel("error, degrees (dots: means)")
+    # the few worst frames would press all else to the left
+    right.set_xlim(0.0, max(1.0, *(row["percentiles"][98] for row in rows.values())))
+    for axes in (left, right):
+        axes.grid(alpha=0.3)
+    figure.legend(loc="outside lower center", ncols=columns, frameon=False)
+    return _png(figure)
+
+
+def _minutes(row: dict[str, Any], minutes: float) -> tuple[Any, Any]:
+    """Middles and mean errors of a predictor's minutes; a last one of a few seconds would say little."""
+    edges = np.minimum(np.arange(len(row["per_minute"]) + 1.0), minutes)
+    told = np.diff(edges) >= min(0.25, minutes)
+    return ((edges[:-1] + edges[1:]) / 2.0)[told], np.array(row["per_minute"])[told]
 
 
 def _png(figure: Figure) -> bytes:

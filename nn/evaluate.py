@@ -22,6 +22,8 @@ Array = NDArray[np.floating[Any]]
 
 HMD_FORWARD = "hmd-forward"
 HEURISTIC = "hands-and-head"
+POOL_RATE = 30.0
+"""Errors of a second that count where takes are pooled, whatever their frame rate."""
 
 
 def hands_and_head(recording: Recording) -> Array:
@@ -47,19 +49,16 @@ def yaw_errors(yaws: Array, truth: Array) -> Array:
 
 
 def summary(errors: Array, fps: float) -> dict[str, Any]:
-    """Mean, deviation, 95th percentile, and the mean of each minute, of errors in degrees."""
+    """Mean, deviation, 95th percentile, and the mean of each minute, of errors in degrees.
+
+    The last minute may be a shorter one.
+    """
     minute = max(1, round(60.0 * fps))
-    return {
-        **_pooled(errors),
-        "per_minute": [float(np.mean(errors[i : i + minute])) for i in range(0, len(errors), minute)],
-    }
-
-
-def _pooled(errors: Array) -> dict[str, float]:
     return {
         "mean": float(np.mean(errors)),
         "std": float(np.std(errors)),
         "p95": float(np.percentile(errors, 95.0)),
+        "per_minute": [float(np.mean(errors[i : i + minute])) for i in range(0, len(errors), minute)],
     }
 
 
@@ -72,9 +71,10 @@ def evaluate_predictors(takes: Sequence[Take], predictors: Mapping[str, Predicto
         predictors: by name.
 
     Returns:
-        `{"predictors": {name: {"mean", "std", "p95", "causal"}},
+        `{"predictors": {name: {"mean", "std", "p95", "per_minute", "percentiles", "causal"}},
         "takes": [{"take", "seconds", "predictors": {name: {"mean", "std", "p95", "per_minute"}}}]}`,
-        degrees, ready for JSON.
+        degrees, ready for JSON. Under `predictors` the takes follow one another; `percentiles` are the 0th to
+        the 100th.
     """
     ways: dict[str, Callable[[Recording], Array]] = {HMD_FORWARD: hmd_forward, HEURISTIC: hands_and_head}
     for name, predictor in predictors.items():
@@ -90,14 +90,18 @@ def evaluate_predictors(takes: Sequence[Take], predictors: Mapping[str, Predicto
             errors = yaw_errors(way(recording), truth)
             row[name] = summary(errors, motion.fps)
             # every take at the same rate, so that a fast camera does not count double
-            seconds = np.arange(0.0, len(errors), motion.fps / 30.0).astype(np.intp)
-            pooled[name].append(errors[seconds])
+            frames = np.arange(0.0, len(errors), motion.fps / POOL_RATE).astype(np.intp)
+            pooled[name].append(errors[frames])
         table.append({"take": take.name, "seconds": len(motion) / motion.fps, "predictors": row})
     causal = {name: predictor.causal for name, predictor in predictors.items()}
-    overall = {
-        name: {**_pooled(np.concatenate(errors)), "causal": causal.get(name, True)}
-        for name, errors in pooled.items()
-    }
+    overall: dict[str, Any] = {}
+    for name, parts in pooled.items():
+        errors = np.concatenate(parts)
+        overall[name] = {
+            **summary(errors, POOL_RATE),
+            "percentiles": np.percentile(errors, np.arange(101)).tolist(),
+            "causal": causal.get(name, True),
+        }
     return {"predictors": overall, "takes": table}
 
 

@@ -137,6 +137,64 @@ def test_without_matplotlib_the_tables_still_come(
     assert "foot skate" in Page((tmp_path / "report.html").read_text(encoding="utf-8")).words
 
 
+def test_errors_of_predictors_as_table_report_and_picture(
+    demo: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    figures = pytest.importorskip("footwork.cli.figures", reason="matplotlib is not installed")
+    drawn: list[Any] = []
+    monkeypatch.setattr(figures, "_png", lambda figure: drawn.append(figure) or b"a picture")
+    takes = [str(demo / f"{name}.bvh") for name in ("visit", "walk", "turn")]
+    plot = tmp_path / "errors.png"
+    assert main(["evaluate-predictor", *takes, "--plot", str(plot), "--json", "-"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    jsonschema.validate(report, {"$ref": "#/$defs/predictors", "$defs": SCHEMA["$defs"]})
+    assert plot.read_bytes() == b"a picture"
+    ((left, right),) = (figure.axes for figure in drawn)
+    for row, minutes in zip(report["predictors"].values(), left.lines, strict=True):
+        (shown,) = minutes.get_ydata()
+        assert shown == row["per_minute"][0] == pytest.approx(row["mean"]), "the demo is less than a minute"
+        assert f"{row['mean']:.1f}°" in minutes.get_label()
+    for row, curve, dot in zip(
+        report["predictors"].values(), right.lines[::2], right.lines[1::2], strict=True
+    ):
+        at = curve.get_ydata() == 95.0
+        assert curve.get_xdata()[at] == pytest.approx(row["p95"])
+        assert dot.get_xdata() == pytest.approx(row["mean"])
+
+
+@pytest.mark.parametrize(("seconds", "middles"), [(130.0, [0.5, 1.5]), (150.0, [0.5, 1.5, 2.25])])
+def test_minutes_are_drawn_in_their_middle_and_a_last_short_one_not_at_all(
+    seconds: float, middles: list[float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    figures = pytest.importorskip("footwork.cli.figures", reason="matplotlib is not installed")
+    drawn: list[Any] = []
+    monkeypatch.setattr(figures, "_png", drawn.append)
+    row = {"mean": 9.0, "per_minute": [7.0, 8.0, 30.0], "percentiles": [i / 5 for i in range(101)]}
+    figures.draw_predictors({"predictors": {"mine": row}, "takes": [{"seconds": seconds}]})
+    (line,) = drawn[0].axes[0].lines
+    assert line.get_xdata() == pytest.approx(middles)
+    assert line.get_ydata() == pytest.approx(row["per_minute"][: len(middles)])
+
+
+def test_a_picture_is_a_png_and_needs_matplotlib(
+    demo: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = ["evaluate-predictor", str(demo / "turn.bvh"), "--plot"]
+    assert main([*command, str(tmp_path / "errors.pdf")]) == 2
+    assert "end in .png" in capsys.readouterr().err
+    plot = tmp_path / "errors.png"
+    if importlib.util.find_spec("matplotlib"):
+        assert main([*command, str(plot)]) == 0
+        assert plot.read_bytes().startswith(b"\x89PNG")
+        plot.unlink()
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    monkeypatch.delitem(sys.modules, "footwork.cli.figures", raising=False)
+    capsys.readouterr()
+    assert main([*command, str(plot), "--json", str(tmp_path / "errors.json")]) == 2
+    assert "pip install matplotlib" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_limit_that_is_passed_ends_with_three_and_still_reports(
     demo: Path, walk: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from footwork.core.maths import quat
 from footwork.core.mocap.demo import demo_motion
-from footwork.core.mocap.skeleton import Take
+from footwork.core.mocap.skeleton import Motion, Take
 from footwork.core.recording.simulate import simulate_recording
 from footwork.nn.evaluate import errors_in_words, evaluate_predictors, hands_and_head, summary, yaw_errors
 from footwork.nn.predictor import shipped_predictors
@@ -29,6 +30,29 @@ def test_summary_by_minute():
     assert found["p95"] == 8.0
 
 
+def looking_aside(motion: Motion) -> np.ndarray:
+    """Degrees between the ways that head and hips face."""
+    _, rotations = motion.forward()
+    aside = quat.heading(rotations[:, motion.skeleton.joint("head")]) - quat.heading(rotations[:, 0])
+    return np.degrees(np.abs((aside + np.pi) % (2 * np.pi) - np.pi))
+
+
+def test_pooled_takes_follow_one_another_a_second_counting_the_same():
+    motions = [demo_motion(script, seed) for seed, script in enumerate(("visit", "walk", "visit", "turn"))]
+    motions[1] = replace(motions[1], fps=motions[1].fps / 2)
+    takes = [Take(f"{i}", f"{i}.bvh", "0" * 64, motion, {}, ()) for i, motion in enumerate(motions)]
+    row = evaluate_predictors(takes, {})["predictors"]["hmd-forward"]
+    errors = np.concatenate([looking_aside(motion)[:: round(motion.fps / 30)] for motion in motions])
+    assert len(errors) > 1800
+    parts = np.split(errors, np.arange(1800, len(errors), 1800))
+    assert row["per_minute"] == pytest.approx([part.mean() for part in parts])
+    assert row["mean"] == pytest.approx(errors.mean())
+    assert row["percentiles"][0] == pytest.approx(errors.min())
+    assert row["percentiles"][50] == pytest.approx(np.median(errors))
+    assert row["percentiles"][95] == pytest.approx(row["p95"])
+    assert row["percentiles"][100] == pytest.approx(errors.max())
+
+
 def test_report_of_a_take():
     motion = demo_motion("turn", seed=4)
     take = Take("turn", "turn.bvh", "0" * 64, motion, {}, ())
@@ -36,12 +60,10 @@ def test_report_of_a_take():
     report = json.loads(json.dumps(evaluate_predictors([take], predictors)))
     assert list(report["predictors"]) == ["hmd-forward", "hands-and-head", *predictors]
     for name, row in report["predictors"].items():
-        assert set(row) == {"mean", "std", "p95", "causal"}
+        assert set(row) == {"mean", "std", "p95", "per_minute", "percentiles", "causal"}
         assert row["causal"] is (name != "look-ahead")
-    _, rotations = motion.forward()
-    aside = quat.heading(rotations[:, motion.skeleton.joint("head")]) - quat.heading(rotations[:, 0])
-    expected = np.degrees(np.abs((aside + np.pi) % (2 * np.pi) - np.pi))
-    assert report["takes"][0]["predictors"]["hmd-forward"]["mean"] == pytest.approx(expected.mean())
+    found = report["takes"][0]["predictors"]["hmd-forward"]["mean"]
+    assert found == pytest.approx(looking_aside(motion).mean())
     words = errors_in_words(report)
     assert "hmd-forward" in words
     assert f"{report['predictors']['causal']['mean']:.2f}" in words
