@@ -16,6 +16,7 @@ from pathlib import Path
 from ..core.errors import InputError
 from ..core.files import sha256_of, write_atomically
 from ..core.settings import BakeSettings, DatabaseSettings
+from ..nn.checkpoint import checkpoint_path
 from ..nn.settings import TrainSettings
 from . import evaluate as evaluation
 from .common import (
@@ -56,13 +57,13 @@ def main(argv: Sequence[str] | None = None) -> int:
             print(f"footwork {options.verb}: {line}", file=sys.stderr)
         return BAD_INPUT
     except KeyboardInterrupt:
-        return _cancelled(options.verb)
+        return _cancelled(options)
     except BrokenPipeError:  # whoever read our output has read enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except Exception:
         # Blender's operators turn a cancel into an error of theirs
         if "KeyboardInterrupt" in traceback.format_exc():
-            return _cancelled(options.verb)
+            return _cancelled(options)
         traceback.print_exc()
         print(
             f"footwork {options.verb}: this is a bug in Footwork; please report the lines above",
@@ -74,8 +75,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     return DONE
 
 
-def _cancelled(verb: str) -> int:
-    print(f"footwork {verb}: cancelled", file=sys.stderr)
+def _cancelled(options: argparse.Namespace) -> int:
+    hint = ""
+    if options.verb == "train-predictor" and checkpoint_path(options.output).is_file():
+        hint = f"; add --resume to go on from {checkpoint_path(options.output)}"
+    print(f"footwork {options.verb}: cancelled{hint}", file=sys.stderr)
     return BAD_INPUT
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import glob
 import hashlib
 import os
 import tempfile
@@ -54,6 +55,15 @@ def write_atomically(path: str | os.PathLike[str], writer: Callable[[BinaryIO], 
             part.replace(target)
     finally:
         # gone already when all went well; a folder that forbids it has said so above
+        with contextlib.suppress(OSError):
+            part.unlink()
+
+
+def remove_parts(path: str | os.PathLike[str]) -> None:
+    """Remove what processes that were killed while they wrote `path` left beside it."""
+    target = Path(path).resolve()
+    for part in target.parent.glob(f".{glob.escape(target.name[:64])}.[0-9]*.part"):
+        # what cannot be removed is in nobody's way
         with contextlib.suppress(OSError):
             part.unlink()
 

@@ -57,7 +57,11 @@ class TrainSettings:
         300.0, "Time Limit", "Stop after this long and keep the best so far", low=1.0, high=86400.0, unit="s"
     )
     seed: int = setting(0, "Seed", "Same seed, same takes, same result", low=0, high=2**31 - 1)
-    resume: bool = setting(False, "Resume", "Go on from the weights that the output file holds")
+    resume: bool = setting(
+        False,
+        "Resume",
+        "Go on with the training of this output file that was cut short, or else from the file's weights",
+    )
     keep_worse: bool = setting(
         False, "Keep Worse", "Save even a predictor that is worse than the headset's forward"
     )

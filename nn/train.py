@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import importlib.util
+import math
 import time
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,9 +17,21 @@ from ..core.errors import InputError
 from ..core.jobs import Job
 from ..core.mocap.skeleton import Take
 from ..core.settings import check
+from .checkpoint import (
+    Checkpoint,
+    Progress,
+    checkpoint_path,
+    damaged,
+    origin_of,
+    other_version,
+    read_checkpoint,
+    remove_checkpoint,
+    write_checkpoint,
+)
 from .evaluate import yaw_errors
-from .inputs import RATE, headings
+from .inputs import INPUTS, RATE, Scaler, headings
 from .layouts import CAUSAL, LOOK_AHEAD
+from .network import Network
 from .predictor import run_recurrent, run_windows
 from .samples import Sample, samples_of
 from .settings import TrainSettings
@@ -26,6 +40,9 @@ from .windows import stream
 
 MEASUREMENTS = 15
 """How often the held-out error is measured in a full training."""
+SAVE_EVERY_S = 15.0
+"""A checkpoint is written at each measurement, and this often where measurements are far apart."""
+PAPER_HIDDEN = (32, 32)
 NO_TORCH = (
     "training needs torch, which is not installed; get it with: pip install torch (baking works without it)"
 )
@@ -41,13 +58,15 @@ def train_predictor(
 ) -> Job[dict[str, Any]]:
     """Train a predictor and write it to `output`.
 
-    Yields `(fraction, message)` with the loss and the held-out error. Cancelled before its end, it writes
-    nothing.
+    Yields `(fraction, message)` with the loss and the held-out error. On the way it keeps a checkpoint beside
+    `output`, which stays when it is cancelled or fails and goes once `output` is written; nothing else is
+    written before the end.
 
     Args:
         takes: what to learn from.
         settings: kind, length, seed.
-        output: the `.npz` to write; with `settings.resume` its weights are the start.
+        output: the `.npz` to write. With `settings.resume` training goes on from its checkpoint exactly as if
+            it had not stopped; where there is none, from the weights of `output` with a fresh optimiser.
         held_out: takes to measure the error on; by default some of `takes` are kept back.
         licences: licence of each take by name, for the provenance.
 
@@ -56,23 +75,23 @@ def train_predictor(
         was left out.
 
     Raises:
-        InputError: torch is missing, the takes are too short, or the result is worse than the headset's
-        forward.
+        InputError: torch is missing, the takes are too short, there is nothing to resume or it belongs to
+            another training, or the result is worse than the headset's forward.
     """
     check(settings)
     if importlib.util.find_spec("torch") is None:
         raise InputError(NO_TORCH)
-    start = read_predictor(output) if settings.resume else None
+    plan = _plan(output, settings, takes, held_out)
     yield 0.0, "reading takes"
     training, testing, notes = _split(takes, held_out, settings)
     forward = error_of_forward(testing)
     began = time.monotonic()
-    predictor, history = yield from _train(training, testing, settings, start)
+    predictor, history = yield from _train(training, testing, settings, plan)
     error = held_out_error(predictor, testing)
     if error >= forward and not settings.keep_worse:
         raise InputError(
             f"{output}: not written, {error:.1f} degrees on held-out takes is no better than the headset's "
-            f"forward ({forward:.1f}); give more takes or epochs, or say keep-worse"
+            f"forward ({forward:.1f}); give more takes or epochs, or save it all the same with resume and keep-worse"
         )
     report = {
         "file": str(output),
@@ -91,8 +110,35 @@ def train_predictor(
         "held_out": sorted({sample.take for sample in testing}),
     }
     save_predictor(output, replace(predictor, name=output.stem, provenance=provenance))
+    remove_checkpoint(plan.path)
     yield 1.0, f"{output.name}: {error:.1f} degrees on held-out takes, the headset's forward {forward:.1f}"
     return report
+
+
+@dataclass(frozen=True, slots=True)
+class _Plan:
+    """Where a training begins, and where its checkpoint lies."""
+
+    path: Path
+    origin: Mapping[str, Any]
+    saved: Checkpoint | None
+    start: Predictor | None
+
+
+def _plan(output: Path, settings: TrainSettings, takes: Sequence[Take], held_out: Sequence[Take]) -> _Plan:
+    """Raises InputError where there is nothing to resume, or it is of another training."""
+    path, origin = checkpoint_path(output), origin_of(settings, takes, held_out)
+    if not settings.resume:
+        return _Plan(path, origin, None, None)
+    if path.exists():
+        saved = read_checkpoint(path, origin)
+        start = None if saved.start is None else _begun_with(saved.start, saved.scaler)
+        return _Plan(path, origin, saved, start)
+    if output.exists():
+        return _Plan(path, origin, None, read_predictor(output))
+    raise InputError(
+        f"{output}: neither it nor {path.name} is there to go on from; start anew without resume"
+    )
 
 
 def _origin(take: Take, licences: Mapping[str, str] | None) -> dict[str, str]:
@@ -145,22 +191,52 @@ def _cut(sample: Sample, share: float) -> tuple[Sample, Sample]:
 
 
 def _train(
-    training: list[Sample], testing: list[Sample], settings: TrainSettings, start: Predictor | None
+    training: list[Sample], testing: list[Sample], settings: TrainSettings, plan: _Plan
 ) -> Job[tuple[Predictor, list[dict[str, float]]]]:
     """The best predictor by held-out error, and the losses on the way."""
     voters = 1 if settings.kind == "paper" else settings.voters
     deadline = time.monotonic() + settings.time_limit
-    found: list[Predictor] = []
-    history: list[dict[str, float]] = []
-    for n in range(voters):
-        learner, steps = make_learner(
-            training, settings, settings.seed + n, start, found[0] if found else None
-        )
-        limit = time.monotonic() + (deadline - time.monotonic()) / (voters - n)
-        best = yield from _fit(learner, steps, testing, settings, limit, (n, voters), history)
-        found.append(best)
-    networks = tuple(predictor.networks[0] for predictor in found)
-    return replace(found[0], networks=networks), history
+    saved, scaler, learner = plan.saved, None, None
+    progress = Progress() if saved is None else saved.progress
+    while (turn := len(progress.found)) < voters:
+        seed = settings.seed + turn
+        if saved is None:
+            learner, steps = make_learner(training, settings, seed, plan.start, scaler)
+        else:
+            learner, steps = _restore_learner(training, settings, seed, plan.path, saved)
+            saved = None
+            yield (turn + progress.step / steps) / voters, f"going on after step {progress.step} of {steps}"
+        scaler = learner.scaler
+        limit = time.monotonic() + (deadline - time.monotonic()) / (voters - turn)
+        save = partial(_save, plan, progress, learner)
+        yield from _fit(learner, steps, testing, settings, limit, (turn, voters), progress, save)
+        progress = progress.next_voter()
+    return replace(learner.predictor(), networks=tuple(progress.found)), progress.history
+
+
+def _save(plan: _Plan, progress: Progress, learner: Any) -> None:
+    start = None if plan.start is None else plan.start.networks[0]
+    state = Checkpoint(plan.origin, progress, learner.scaler, learner.network(), start, learner.state())
+    write_checkpoint(plan.path, state)
+
+
+def _restore_learner(
+    samples: list[Sample], settings: TrainSettings, seed: int, path: Path, saved: Checkpoint
+) -> tuple[Any, int]:
+    """The learner as it was, and its number of steps."""
+    try:
+        learner, steps = make_learner(samples, settings, seed, _begun_with(saved.network, saved.scaler))
+        learner.restore(saved.state)
+    except InputError as error:
+        raise other_version(path) from error
+    except (ValueError, KeyError, TypeError, ArithmeticError, RuntimeError) as error:
+        raise damaged(path) from error
+    return learner, steps
+
+
+def _begun_with(network: Network, scaler: Scaler) -> Predictor:
+    """Weights for a learner to begin with."""
+    return Predictor("", (network,), scaler, None, 0.0, {})
 
 
 def make_learner(
@@ -168,19 +244,24 @@ def make_learner(
     settings: TrainSettings,
     seed: int,
     start: Predictor | None = None,
-    first: Predictor | None = None,
+    scaler: Scaler | None = None,
 ) -> tuple[Any, int]:
-    """The learner of the settings' kind and its number of steps; `first` lends its scaler to voters after
-    it."""
+    """The learner of the settings' kind and its number of steps; `scaler` is the first voter's, for those
+    after it.
+
+    Raises:
+        InputError: the weights to start from are of another kind of network.
+    """
     frames = sum(len(sample) for sample in samples)
     if settings.kind == "paper":
         from .train_paper import RecurrentLearner
 
+        _check_sizes(start, (INPUTS, *PAPER_HIDDEN, 6))
         batch = settings.batch or 64
         learner = RecurrentLearner(
             samples,
             iterations=settings.iterations,
-            hidden=(32, 32),
+            hidden=PAPER_HIDDEN,
             batch=batch,
             learning_rate=settings.learning_rate or 3e-4,
             decay=settings.decay,
@@ -188,22 +269,32 @@ def make_learner(
             start=start,
         )
         return learner, learner.steps_per_epoch * (settings.epochs or 10)
-    from .train_window import WindowLearner
+    from .train_window import HIDDEN, WindowLearner
 
+    layout = CAUSAL if settings.kind == "causal" else LOOK_AHEAD
+    _check_sizes(start, (layout.inputs, *HIDDEN, 2))
     batch = settings.batch or 512
     steps = max(1, frames // batch) * (settings.epochs or 15)
     learner = WindowLearner(
         samples,
-        CAUSAL if settings.kind == "causal" else LOOK_AHEAD,
+        layout,
         batch=batch,
         learning_rate=settings.learning_rate or 1e-3,
         decay=settings.decay,
         steps=steps,
         seed=seed,
         start=start,
-        scaler=first.scaler if first is not None else None,
+        scaler=scaler,
     )
     return learner, steps
+
+
+def _check_sizes(start: Predictor | None, sizes: tuple[int, ...]) -> None:
+    if start is not None and start.networks[0].sizes != sizes:
+        raise InputError(
+            "the weights to go on from are of another kind or version of network; ask for their kind, or start "
+            "anew without resume"
+        )
 
 
 def _fit(
@@ -213,31 +304,49 @@ def _fit(
     settings: TrainSettings,
     deadline: float,
     turn: tuple[int, int],
-    history: list[dict[str, float]],
-) -> Job[Predictor]:
-    """Train one network until it is done, stops getting better, or is out of time; the best one measured."""
-    best, best_error, waited, losses = learner.predictor(), np.inf, 0, list[float]()
+    progress: Progress,
+    save: Callable[[], None],
+) -> Job[None]:
+    """Train one network until it is done, stops getting better, or is out of time; `progress` keeps the best."""
+    if progress.best is None:
+        progress.best = learner.network()
     every = max(1, steps // MEASUREMENTS)
-    for n in range(1, steps + 1):
-        losses.append(learner.step())
-        late = time.monotonic() > deadline
-        if n % every == 0 or n == steps or late:
-            candidate = learner.predictor()
-            error, loss = held_out_error(candidate, testing), float(np.mean(losses))
-            history.append({"step": n, "loss": round(loss, 5), "held_out_deg": round(error, 3)})
-            losses.clear()
-            # later steps are smaller and steadier: a later network that is about as good is the better one
-            if error < 1.05 * best_error:
-                best = candidate
-            waited = 0 if error < best_error else waited + 1
-            best_error = min(error, best_error)
-            fraction = (turn[0] + n / steps) / turn[1]
-            yield fraction, f"loss {loss:.4f}, held out {error:.2f} degrees, best {best_error:.2f}"
-            if late or waited >= settings.patience:
+    saved = -math.inf
+    try:
+        while progress.step < steps and progress.waited < settings.patience:
+            progress.losses.append(learner.step())
+            progress.step += 1
+            n, late = progress.step, time.monotonic() > deadline
+            measured = n % every == 0 or n == steps or late
+            if measured:
+                message = _measure(learner, testing, progress)
+            elif n % 20 == 0:
+                message = f"step {n} of {steps}, best {progress.best_error:.2f} degrees"
+            else:
+                continue
+            if measured or time.monotonic() > saved + SAVE_EVERY_S:
+                save()
+                saved = time.monotonic()
+            yield (turn[0] + n / steps) / turn[1], message
+            if late:
                 break
-        elif n % 20 == 0:
-            yield (turn[0] + n / steps) / turn[1], f"step {n} of {steps}, best {best_error:.2f} degrees"
-    return best
+    except GeneratorExit:
+        save()
+        raise
+
+
+def _measure(learner: Any, testing: list[Sample], progress: Progress) -> str:
+    """Take the held-out error into `progress`; returns what to say of it."""
+    candidate = learner.predictor()
+    error, loss = held_out_error(candidate, testing), float(np.mean(progress.losses))
+    progress.history.append({"step": progress.step, "loss": round(loss, 5), "held_out_deg": round(error, 3)})
+    progress.losses.clear()
+    # later steps are smaller and steadier: a later network that is about as good is the better one
+    if error < 1.05 * progress.best_error:
+        progress.best = candidate.networks[0]
+    progress.waited = 0 if error < progress.best_error else progress.waited + 1
+    progress.best_error = min(error, progress.best_error)
+    return f"loss {loss:.4f}, held out {error:.2f} degrees, best {progress.best_error:.2f}"
 
 
 def predicted(predictor: Predictor, sample: Sample) -> Any:

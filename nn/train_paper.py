@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import torch
@@ -12,7 +12,7 @@ from ..core.maths import angles
 from .inputs import GROUPS, RATE, TRACKED, group_scaler, headings, tracker_inputs, yaw_to_sixd
 from .network import Network
 from .samples import Sample
-from .train_torch import build_mlp, from_torch, linear_layers, load_weights
+from .train_torch import build_mlp, from_torch, linear_layers, load_weights, restore_training, training_state
 from .weights import Predictor
 
 
@@ -125,6 +125,19 @@ class RecurrentLearner:
     def predictor(self) -> Predictor:
         """What has been learnt so far."""
         return Predictor("", (self.network(),), self.scaler, None, 0.0, {})
+
+    def state(self) -> dict[str, np.ndarray]:
+        """All that steps change besides the weights."""
+        turn = {"order": self.order, "place": np.array(self.place, dtype=np.int64)}
+        return turn | training_state(self.optimiser, self.schedule, self.rng)
+
+    def restore(self, state: Mapping[str, np.ndarray]) -> None:
+        """Take over a `state`; ValueError, KeyError, TypeError or RuntimeError where it does not fit."""
+        order, place = state["order"], int(state["place"])
+        if order.dtype != self.order.dtype or not np.array_equal(np.sort(order), self.starts) or place < 0:
+            raise ValueError("order")
+        restore_training(state, self.optimiser, self.schedule, self.rng)
+        self.order, self.place = order, place
 
 
 def _tensor(values: np.ndarray) -> torch.Tensor:

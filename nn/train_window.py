@@ -4,7 +4,7 @@ direction."""
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import torch
@@ -14,7 +14,7 @@ from .augment import Augmentation, augment, mix_hands
 from .inputs import RATE, Scaler, group_scaler
 from .network import Network
 from .samples import Sample
-from .train_torch import build_mlp, from_torch, load_weights
+from .train_torch import build_mlp, from_torch, load_weights, restore_training, training_state
 from .weights import Predictor
 from .windows import FACING, Layout, mirror_inputs, stream, window_inputs
 
@@ -123,3 +123,11 @@ class WindowLearner:
     def predictor(self) -> Predictor:
         """What has been learnt so far."""
         return Predictor("", (self.network(),), self.scaler, self.layout, self.smoothing, {})
+
+    def state(self) -> dict[str, np.ndarray]:
+        """All that steps change besides the weights."""
+        return training_state(self.optimiser, self.schedule, self.rng)
+
+    def restore(self, state: Mapping[str, np.ndarray]) -> None:
+        """Take over a `state`; ValueError, KeyError, TypeError or RuntimeError where it does not fit."""
+        restore_training(state, self.optimiser, self.schedule, self.rng)

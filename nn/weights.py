@@ -88,9 +88,19 @@ def read_predictor(path: str | os.PathLike[str]) -> Predictor:
     Raises:
         InputError: the file is missing, no predictor, of a newer schema, or damaged; one line says which.
     """
+    arrays = read_arrays(path, f"{path}: is no complete predictor file; train or copy it again")
+    return _from_arrays(arrays, f"{path}")
+
+
+def read_arrays(path: str | os.PathLike[str], otherwise: str) -> dict[str, NDArray[Any]]:
+    """All arrays of an `.npz`, never a pickle.
+
+    Raises:
+        InputError: the file cannot be read; `otherwise` where it is not whole or something else.
+    """
     try:
         with Path(path).open("rb") as file, np.lib.npyio.NpzFile(file, allow_pickle=False) as found:
-            arrays = {key: found[key] for key in found.files}
+            return {key: found[key] for key in found.files}
     except OSError as error:
         raise InputError(
             f"{path}: cannot be read ({error.strerror or error}); check its name and rights"
@@ -99,13 +109,12 @@ def read_predictor(path: str | os.PathLike[str]) -> Predictor:
         ValueError,
         EOFError,
         KeyError,
-        NotImplementedError,
+        RuntimeError,
         MemoryError,
         zlib.error,
         zipfile.BadZipFile,
     ) as error:
-        raise InputError(f"{path}: is no complete predictor file; train or copy it again") from error
-    return _from_arrays(arrays, f"{path}")
+        raise InputError(otherwise) from error
 
 
 def _from_arrays(arrays: Mapping[str, NDArray[Any]], path: str) -> Predictor:

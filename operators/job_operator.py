@@ -67,6 +67,10 @@ class JobOperator:
         """Write the job's result to Blender and report it."""
         raise NotImplementedError
 
+    def after_cancel(self) -> str:
+        """What a user who cancelled should know."""
+        return "nothing was changed"
+
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Run straight through, as scripts and background mode do."""
         try:
@@ -100,7 +104,7 @@ class JobOperator:
         """One slice of the job."""
         if running is None or running.cancelled or (event.type == "ESC" and event.value == "PRESS"):
             self.cancel(context)
-            self.report({"INFO"}, f"{self.title}: cancelled, nothing was changed")
+            self.report({"INFO"}, f"{self.title}: cancelled, {self.after_cancel()}")
             return {"CANCELLED"}
         if event.type != "TIMER":
             return {"PASS_THROUGH"}

@@ -8,6 +8,7 @@ from bpy.props import StringProperty
 from ..bridge.lookup import find_scene
 from ..bridge.settings import read_settings
 from ..core.errors import InputError
+from ..nn.checkpoint import checkpoint_path
 from ..nn.settings import TrainSettings
 from . import files, training
 from .job_operator import JobOperator
@@ -44,10 +45,16 @@ class FOOTWORK_OT_train_predictor(JobOperator, bpy.types.Operator):
         settings = read_settings(footwork.train_settings, TrainSettings)
         if not self._path.parent.is_dir():
             raise InputError(f"{self._path.parent}: no such folder; choose another file under Save As")
-        if settings.resume and not self._path.is_file():
+        if settings.resume and not self._path.is_file() and not checkpoint_path(self._path).is_file():
             raise InputError(f"{self._path}: no such file to go on from; switch Resume off")
         takes = [bpy.path.abspath(take.path) for take in footwork.takes if take.use and take.state != "FAULT"]
         return training.train(training.find_trainer(context).python, takes, self._path, settings)
+
+    def after_cancel(self):
+        kept = checkpoint_path(self._path)
+        if kept.is_file():
+            return f"switch Resume on to go on from {kept.name}"
+        return JobOperator.after_cancel(self)
 
     def finish(self, context, result):
         footwork = find_scene(self._scene).footwork

@@ -17,7 +17,9 @@ from pathlib import Path
 import bpy
 
 from ..core.errors import InputError
+from ..core.files import remove_parts
 from ..core.jobs import Job
+from ..nn.checkpoint import checkpoint_path
 from ..nn.settings import TrainSettings
 
 PACKAGE_FOLDER = Path(__file__).parents[1]
@@ -124,7 +126,7 @@ def flags_of(settings: TrainSettings) -> list[str]:
 
 
 def train(python: str, takes: Sequence[str], output: Path, settings: TrainSettings) -> Job[dict]:
-    """Train on takes in a process of its own; closing the generator ends that.
+    """Train on takes in a process of its own; closing the generator ends that, and its checkpoint stays.
 
     Yields the fraction done and the last line said, with loss and held-out error.
 
@@ -168,6 +170,8 @@ def train(python: str, takes: Sequence[str], output: Path, settings: TrainSettin
             if process.poll() is None:
                 process.kill()
                 process.wait()
+                for path in (output, checkpoint_path(output)):
+                    remove_parts(path)
         if process.returncode != 0:
             raise InputError(_fault(log) or f"training ended with code {process.returncode}; try again")
         return json.loads(report.read_text(encoding="utf-8"))

@@ -204,3 +204,34 @@ def test_outputs_are_checked_before_any_work(
     assert re.search(said, line)
     assert [path.name for path in tmp_path.iterdir()] == ["take.bvh"]
     assert take.read_bytes() == (demo / "turn.bvh").read_bytes()
+
+
+@pytest.mark.skipif(importlib.util.find_spec("torch") is None, reason="torch is not installed")
+def test_a_cancelled_training_says_how_to_go_on(
+    tmp_path: Path, demo: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    target = tmp_path / "p.npz"
+    takes = [str(demo / f"{name}.bvh") for name in ("walk", "turn", "visit")]
+    command = ["train-predictor", *takes, "-o", str(target), "--kind", "paper", "--iterations", "2"]
+
+    def press_ctrl_c(job, at: int):
+        for _ in range(at):
+            next(job)
+        raise KeyboardInterrupt
+
+    def last_line(at: int) -> str:
+        with monkeypatch.context() as patch:
+            patch.setattr("footwork.cli.run", lambda job: press_ctrl_c(job, at))
+            assert main([*command, "--keep-worse"]) == 2
+        return capsys.readouterr().err.splitlines()[-1]
+
+    assert last_line(1) == "footwork train-predictor: cancelled"
+    assert (
+        last_line(3) == f"footwork train-predictor: cancelled; add --resume to go on from {target}.training"
+    )
+    assert [path.name for path in tmp_path.iterdir()] == ["p.npz.training"]
+    assert main([*command, "--resume", "--epochs", "3"]) == 2
+    assert "differs in epochs (was 0, now 3)" in capsys.readouterr().err
+    assert main([*command, "--keep-worse", "--resume"]) == 0
+    assert "going on after step" in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["p.npz"]

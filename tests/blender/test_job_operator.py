@@ -127,6 +127,8 @@ def test_cancelling_closes_the_job_and_writes_nothing(window, how: str) -> None:
         assert operator.modal(window, MOUSE) == {"CANCELLED"}
     else:
         operator.cancel(window)
+    told = [] if how == "file" else [("INFO", "Counting: cancelled, nothing was changed")]
+    assert operator.reports == told
     assert operator.closed and operator.result is None
     assert_left_clean(window)
 

@@ -6,6 +6,8 @@ import importlib.util
 import os
 import sys
 import time
+from dataclasses import replace
+from types import SimpleNamespace
 
 import bpy
 import pytest
@@ -13,6 +15,7 @@ from footwork.core.errors import InputError
 from footwork.nn.settings import TrainSettings
 from footwork.nn.weights import read_predictor
 from footwork.operators import training
+from footwork.operators.predictor import FOOTWORK_OT_train_predictor
 
 TORCH = importlib.util.find_spec("torch") is not None
 needs_torch = pytest.mark.skipif(not TORCH, reason="torch is not installed")
@@ -156,6 +159,23 @@ def test_resume_and_folder_are_looked_at_before(footwork, preferences, stand_in,
 
 
 @needs_scripts
+def test_a_checkpoint_is_enough_to_resume(footwork, preferences, stand_in, tmp_path) -> None:
+    preferences.training_python = stand_in()
+    footwork.train_settings.resume = True
+    (tmp_path / "new.npz.training").touch()
+    assert bpy.ops.footwork.train_predictor(filepath=str(tmp_path / "new.npz")) == {"FINISHED"}
+    assert '"--resume"' in (tmp_path / "new.npz.arguments").read_text()
+
+
+def test_who_cancels_is_told_what_can_be_gone_on_from(tmp_path) -> None:
+    operator = SimpleNamespace(_path=tmp_path / "x.npz")
+    told = FOOTWORK_OT_train_predictor.after_cancel
+    assert told(operator) == "nothing was changed"
+    (tmp_path / "x.npz.training").touch()
+    assert told(operator) == "switch Resume on to go on from x.npz.training"
+
+
+@needs_scripts
 def test_giving_up_ends_the_process_and_leaves_nothing(stand_in, tmp_path, monkeypatch) -> None:
     scratch = tmp_path / "scratch"
     scratch.mkdir()
@@ -186,7 +206,7 @@ def test_a_predictor_is_trained_and_trained_on_by_a_named_python(footwork, prefe
 
 
 @needs_torch
-def test_a_training_given_up_midway_writes_nothing(footwork, demo, tmp_path, monkeypatch) -> None:
+def test_a_training_given_up_midway_leaves_its_checkpoint(footwork, demo, tmp_path, monkeypatch) -> None:
     made = started(monkeypatch)
     settings = TrainSettings(epochs=10000)
     paths = [str(demo / f"{name}.bvh") for name in ("walk", "turn", "visit")]
@@ -197,7 +217,15 @@ def test_a_training_given_up_midway_writes_nothing(footwork, demo, tmp_path, mon
         if "degrees" in message:
             break
     job.close()
-    assert not alive(made[0].pid) and list(tmp_path.glob("*.npz*")) == []
+    assert not alive(made[0].pid) and [path.name for path in tmp_path.iterdir()] == ["x.npz.training"]
+    going_on = training.train(sys.executable, paths, tmp_path / "x.npz", replace(settings, resume=True))
+    for _, message in going_on:
+        assert time.monotonic() < limit
+        if "degrees" in message:
+            break
+    going_on.close()
+    # "step 40 of 530000": the first 20 were not taken again
+    assert int(message.split()[1]) > 20
 
 
 def test_settings_become_flags() -> None:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 from footwork.core.errors import InputError
-from footwork.core.files import sha256_of, write_atomically, write_together
+from footwork.core.files import remove_parts, sha256_of, write_atomically, write_together
 
 
 def names(folder: Path) -> list[str]:
@@ -67,6 +67,14 @@ def test_faults_are_one_line(tmp_path: Path) -> None:
         assert word in str(caught.value)
         assert str(path) in str(caught.value)
         assert "\n" not in str(caught.value)
+
+
+def test_what_a_killed_process_left_is_removed_and_nothing_else(tmp_path: Path) -> None:
+    kept = ["a.npz", ".a.npz.b.12.part", ".b.npz.12.part", ".a.npz.part"]
+    for name in [*kept, ".a.npz.12.part", ".a.npz.7.part"]:
+        (tmp_path / name).touch()
+    remove_parts(tmp_path / "a.npz")
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(kept)
 
 
 def test_sha256(tmp_path: Path) -> None:
