@@ -41,6 +41,14 @@ class TrainSettings:
     batch: int = setting(
         0, "Batch", "Frames per optimisation step; 0 for what is usual for the kind", low=0, high=65536
     )
+    hidden: int = setting(
+        0,
+        "Hidden Width",
+        "Width of the first hidden layer (the second's is the same in the paper's network, else half of it); "
+        "0 for what is usual for the kind",
+        low=0,
+        high=4096,
+    )
     learning_rate: float = setting(
         0.0, "Learning Rate", "Step size of AdamW; 0 for what is usual for the kind", low=0.0, high=1.0
     )
@@ -57,6 +65,14 @@ class TrainSettings:
         300.0, "Time Limit", "Stop after this long and keep the best so far", low=1.0, high=86400.0, unit="s"
     )
     seed: int = setting(0, "Seed", "Same seed, same takes, same result", low=0, high=2**31 - 1)
+    trials: int = setting(
+        0,
+        "Trials",
+        "Trainings with drawn hidden width, learning rate and weight decay, of which the best is kept (needs "
+        "optuna); 0 for one training as set",
+        low=0,
+        high=10000,
+    )
     resume: bool = setting(
         False,
         "Resume",

@@ -34,6 +34,7 @@ from .layouts import CAUSAL, LOOK_AHEAD
 from .network import Network
 from .predictor import run_recurrent, run_windows
 from .samples import Sample, samples_of
+from .search import Trained, check_search, search
 from .settings import TrainSettings
 from .weights import Predictor, read_predictor, save_predictor
 from .windows import stream
@@ -81,17 +82,26 @@ def train_predictor(
     check(settings)
     if importlib.util.find_spec("torch") is None:
         raise InputError(NO_TORCH)
+    if settings.trials:
+        check_search(settings)
     plan = _plan(output, settings, takes, held_out)
     yield 0.0, "reading takes"
     training, testing, notes = _split(takes, held_out, settings)
     forward = error_of_forward(testing)
     began = time.monotonic()
-    predictor, history = yield from _train(training, testing, settings, plan)
+    trials: list[dict[str, Any]] | None = None
+    if settings.trials:
+        found = yield from search(settings, partial(_trial, training, testing))
+        predictor, history = found.best.predictor, found.best.history
+        settings, trials = found.settings, found.trials
+    else:
+        predictor, history = yield from _train(training, testing, settings, plan)
     error = held_out_error(predictor, testing)
     if error >= forward and not settings.keep_worse:
         raise InputError(
             f"{output}: not written, {error:.1f} degrees on held-out takes is no better than the headset's "
-            f"forward ({forward:.1f}); give more takes or epochs, or save it all the same with resume and keep-worse"
+            f"forward ({forward:.1f}); give more takes or epochs, or save it all the same with "
+            + ("keep-worse" if settings.trials else "resume and keep-worse")
         )
     report = {
         "file": str(output),
@@ -102,9 +112,11 @@ def train_predictor(
         "parameters": predictor.parameters,
         "losses": history,
         "left_out": notes,
+        **({} if trials is None else {"trials": trials}),
     }
+    told = ("held_out_error_deg", "hmd_forward_error_deg", "losses", "left_out", "trials")
     provenance = {
-        **{key: report[key] for key in ("held_out_error_deg", "hmd_forward_error_deg", "losses", "left_out")},
+        **{key: report[key] for key in told if key in report},
         "settings": {name: getattr(settings, name) for name in settings.__slots__},
         "takes": [_origin(take, licences) for take in takes],
         "held_out": sorted({sample.take for sample in testing}),
@@ -214,6 +226,26 @@ def _train(
     return replace(learner.predictor(), networks=tuple(progress.found)), progress.history
 
 
+def _trial(
+    training: list[Sample],
+    testing: list[Sample],
+    settings: TrainSettings,
+    ended: Callable[[list[dict[str, float]]], bool],
+) -> Job[Trained]:
+    """One network of a search; without checkpoints, since a search begins anew."""
+    deadline = time.monotonic() + settings.time_limit
+    learner, steps = make_learner(training, settings, settings.seed)
+    progress, measured = Progress(), 0
+    for told in _fit(learner, steps, testing, settings, deadline, (0, 1), progress, lambda: None):
+        yield told
+        if len(progress.history) > measured:
+            measured = len(progress.history)
+            if ended(progress.history):
+                break
+    predictor = replace(learner.predictor(), networks=(progress.best,))
+    return Trained(predictor, held_out_error(predictor, testing), progress.history)
+
+
 def _save(plan: _Plan, progress: Progress, learner: Any) -> None:
     start = None if plan.start is None else plan.start.networks[0]
     state = Checkpoint(plan.origin, progress, learner.scaler, learner.network(), start, learner.state())
@@ -256,12 +288,13 @@ def make_learner(
     if settings.kind == "paper":
         from .train_paper import RecurrentLearner
 
-        _check_sizes(start, (INPUTS, *PAPER_HIDDEN, 6))
+        hidden = (settings.hidden,) * 2 if settings.hidden else PAPER_HIDDEN
+        _check_sizes(start, (INPUTS, *hidden, 6))
         batch = settings.batch or 64
         learner = RecurrentLearner(
             samples,
             iterations=settings.iterations,
-            hidden=PAPER_HIDDEN,
+            hidden=hidden,
             batch=batch,
             learning_rate=settings.learning_rate or 3e-4,
             decay=settings.decay,
@@ -272,12 +305,14 @@ def make_learner(
     from .train_window import HIDDEN, WindowLearner
 
     layout = CAUSAL if settings.kind == "causal" else LOOK_AHEAD
-    _check_sizes(start, (layout.inputs, *HIDDEN, 2))
+    hidden = (settings.hidden, -(-settings.hidden // 2)) if settings.hidden else HIDDEN
+    _check_sizes(start, (layout.inputs, *hidden, 2))
     batch = settings.batch or 512
     steps = max(1, frames // batch) * (settings.epochs or 15)
     learner = WindowLearner(
         samples,
         layout,
+        hidden=hidden,
         batch=batch,
         learning_rate=settings.learning_rate or 1e-3,
         decay=settings.decay,
@@ -292,8 +327,8 @@ def make_learner(
 def _check_sizes(start: Predictor | None, sizes: tuple[int, ...]) -> None:
     if start is not None and start.networks[0].sizes != sizes:
         raise InputError(
-            "the weights to go on from are of another kind or version of network; ask for their kind, or start "
-            "anew without resume"
+            "the weights to go on from are of another kind, width or version of network; ask for theirs, or "
+            "start anew without resume"
         )
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-FOREIGN = {"bpy", "mathutils", "gpu", "bl_ui", "torch", "scipy", "matplotlib", "pymotion"}
+FOREIGN = {"bpy", "mathutils", "gpu", "bl_ui", "torch", "scipy", "matplotlib", "optuna", "pymotion"}
 ABOVE = {
     "core": {"nn", "bridge", "operators", "panels", "cli"},
     "nn": {"bridge", "operators", "panels", "cli"},

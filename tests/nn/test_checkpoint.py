@@ -297,7 +297,7 @@ def test_another_version_is_said(output, takes, monkeypatch) -> None:
 def test_weights_of_another_kind_are_no_start(tmp_path, takes) -> None:
     path = tmp_path / "p.npz"
     run(train_predictor(takes, PAPER, path))
-    with pytest.raises(InputError, match="another kind or version of network") as caught:
+    with pytest.raises(InputError, match="another kind, width or version of network") as caught:
         run(train_predictor(takes, replace(WINDOW, resume=True), path))
     assert "\n" not in str(caught.value)
 
