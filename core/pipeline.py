@@ -105,7 +105,9 @@ def bake(
     yield 0.75, "Fitting the rig"
     trackers = scale(recording, scales.rig)
     matched = scale_motion(motion, scales.rig / scales.database)
-    avatar = animate(matched, contacts, trackers, fit.skeleton, settings)
+    # the head's own place is no place for hips: with the paper's target they stay where the motion has them
+    roots = playback.target_positions * (scales.rig / scales.database) if settings.target == "body" else None
+    avatar = animate(matched, contacts, trackers, fit.skeleton, settings, roots)
     clock.lap("rig")
 
     yield 0.9, "Making keys"

@@ -44,6 +44,7 @@ def animate(
     recording: Recording,
     skeleton: Skeleton,
     settings: BakeSettings,
+    roots: Array | None = None,
 ) -> AvatarResult:
     """Bring a matched motion onto a skeleton, its head and hands to the trackers, its feet to the floor.
 
@@ -53,12 +54,13 @@ def animate(
         recording: trackers at the motion's rate, sized for `skeleton`.
         skeleton: the rig's.
         settings: `head`, `arms`, `foot_lock`, `unlock_distance` and `halflife` are used.
+        roots: `(T, 2)` where on the ground the hips should be, metres; None leaves that to the motion.
     """
     targets, rotations = joint_targets(recording)
     body = retarget(motion, skeleton)
     steps = body
     if settings.head:
-        body, moved = place_head(body, targets[:, 0], rotations[:, 0], recording.valid[:, 0])
+        body, moved = place_head(body, targets[:, 0], rotations[:, 0], recording.valid[:, 0], roots)
         # feet keep the matched motion's height and go along with the body over the ground
         steps = replace(steps, positions=steps.positions + np.pad(moved, ((0, 0), (0, 1))))
     held = contacts if settings.foot_lock else np.zeros_like(contacts)

@@ -100,6 +100,24 @@ def test_a_quick_lean_bends_the_spine_and_a_slow_drift_moves_the_body(world) -> 
     np.testing.assert_allclose(moved[300:900, 0], slow[300:900, 0], atol=0.01)
 
 
+def test_hips_go_most_of_the_way_to_where_they_should_be_under_a_head_that_stays(world) -> None:
+    body = standing(600)
+    places, turns = world(body, "head")
+    away = np.array([0.03, -0.05])
+    roots = np.tile(body.positions[0, :2] + away, (600, 1))
+    placed, moved = place_head(body, places, turns, all_valid(body), roots)
+    np.testing.assert_allclose(world(placed, "head")[0], places, atol=1e-9)
+    gone = placed.positions[:, :2] - body.positions[:, :2]
+    np.testing.assert_allclose(gone, np.tile(0.7 * away, (600, 1)), atol=0.006)
+    # feet are to go along
+    np.testing.assert_allclose(moved, gone, atol=0.001)
+    # where the headset was lost nothing is known of the hips either
+    lost = all_valid(body)
+    lost[200:400] = False
+    placed, _ = place_head(body, places, turns, lost, roots)
+    np.testing.assert_allclose(placed.positions[280:320], body.positions[280:320], atol=0.001)
+
+
 def test_the_spine_does_not_bend_past_its_limit(world, degrees_between) -> None:
     body = standing(240)
     places, turns = world(body, "head")
