@@ -66,14 +66,28 @@ def write_action(
     missing = [bone for bone in tracks.bones if bone not in obj.pose.bones]
     if missing:
         raise InputError(f"{obj.name}: it has no bone {missing[0]!r} any more; check its role map")
-    data = obj.animation_data_create()
-    previous = data.action
+    previous = obj.animation_data_create().action
+    action = new_action(obj, name)
+    _release(previous, keep_previous)
+    key_pose(obj, tracks, fps, frame_start)
+    for time in marker_times:
+        frame = round(frame_start + time * fps)
+        action.pose_markers.new("T").frame = frame
+    return action
+
+
+def new_action(obj: bpy.types.Object, name: str) -> bpy.types.Action:
+    """Give an object a new action, marked as Footwork's."""
     action = bpy.data.actions.new(name)
     action[MADE_BY] = True
     compat.assign_action(obj, action)
-    _release(previous, keep_previous)
-    _rest_between(obj, tracks.bones)
+    return action
 
+
+def key_pose(obj: bpy.types.Object, tracks: BoneTracks, fps: float, frame_start: float) -> None:
+    """Key pose tracks in the new action of an armature object that has all their bones (see `write_action`)."""
+    action = obj.animation_data.action
+    _rest_between(obj, tracks.bones)
     frames = frame_start + np.arange(len(tracks.rotations)) * (fps / tracks.fps)
     hips = obj.pose.bones[tracks.bones[0]]
     _key(action, obj, hips.path_from_id("location"), hips.name, frames, tracks.locations)
@@ -82,19 +96,13 @@ def write_action(
         values = rotations.channels(tracks.rotations[:, index], pose_bone.rotation_mode)
         path = pose_bone.path_from_id(rotations.property_of(pose_bone.rotation_mode))
         _key(action, obj, path, bone, frames, values)
-    for time in marker_times:
-        frame = round(frame_start + time * fps)
-        action.pose_markers.new("T").frame = frame
-    return action
 
 
 def key_transform(
     obj: bpy.types.Object, positions: Array, quaternions: Array, name: str, fps: float, frame_start: float
 ) -> bpy.types.Action:
     """Give an object a new action that moves it through positions `(T, 3)` and rotations `(T, 4)` at `fps`."""
-    action = bpy.data.actions.new(name)
-    action[MADE_BY] = True
-    compat.assign_action(obj, action)
+    action = new_action(obj, name)
     frames = frame_start + np.arange(len(positions), dtype=np.float64)
     _key(action, obj, "location", "Object Transforms", frames, positions)
     path = rotations.property_of(obj.rotation_mode)
@@ -131,12 +139,15 @@ def _key(
         track = values[:, channel].astype(np.float32)
         needed = np.ones(len(track), dtype=bool)
         needed[1:-1] = (track[1:-1] != track[:-2]) | (track[1:-1] != track[2:])
-        points = np.empty((int(needed.sum()), 2), dtype=np.float32)
-        points[:, 0], points[:, 1] = frames[needed], track[needed]
         curve = compat.ensure_fcurve(action, owner, path, channel, group)
-        curve.keyframe_points.add(len(points))
-        curve.keyframe_points.foreach_set("co", points.ravel())
-        curve.keyframe_points.foreach_set(
-            "interpolation", np.full(len(points), compat.LINEAR, dtype=np.int32)
-        )
-        curve.update()
+        fill_curve(curve, frames[needed], track[needed], compat.LINEAR)
+
+
+def fill_curve(curve: bpy.types.FCurve, frames: Array, values: NDArray[Any], interpolation: int) -> None:
+    """Give an empty F-curve keys at `frames` `(K,)`, in bulk."""
+    points = np.empty((len(frames), 2), dtype=np.float32)
+    points[:, 0], points[:, 1] = frames, values
+    curve.keyframe_points.add(len(points))
+    curve.keyframe_points.foreach_set("co", points.ravel())
+    curve.keyframe_points.foreach_set("interpolation", np.full(len(points), interpolation, dtype=np.int32))
+    curve.update()

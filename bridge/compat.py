@@ -6,6 +6,8 @@ import bpy
 
 LINEAR: int = bpy.types.Keyframe.bl_rna.properties["interpolation"].enum_items["LINEAR"].value
 """Number of linear interpolation, for `foreach_set`."""
+CONSTANT: int = bpy.types.Keyframe.bl_rna.properties["interpolation"].enum_items["CONSTANT"].value
+"""Number of constant interpolation, likewise."""
 
 
 def ensure_fcurve(

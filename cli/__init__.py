@@ -157,6 +157,14 @@ def _add_build(sub: argparse.ArgumentParser) -> None:
         help="seconds of a take to leave out; may be repeated",
     )
     sub.add_argument(
+        "--contact",
+        action="append",
+        default=[],
+        metavar="TAKE:FOOT:STATE:FROM-TO",
+        help="seconds of a take in which a foot, L or R, is planted or lifted, whatever is detected, such as "
+        "walk:L:planted:1.2-1.65; may be repeated",
+    )
+    sub.add_argument(
         "--skeleton",
         metavar="DB.npz",
         help="build on this database's skeleton, so that a bake can use both (default: the first take's)",
@@ -219,6 +227,7 @@ def build(options: argparse.Namespace) -> Report:
     """A motion database from takes."""
     from ..core.database.build import build_database
     from ..core.database.clips import parse_exclusion
+    from ..core.database.contact_edits import parse_contact_edit
     from ..core.database.describe import describe_database
     from ..core.database.sidecar import load_database, save_database
 
@@ -234,6 +243,7 @@ def build(options: argparse.Namespace) -> Report:
         name=Path(options.output).stem,
         tags=tuple(options.tag),
         exclude=[parse_exclusion(text) for text in options.exclude],
+        contact_edits=[parse_contact_edit(text) for text in options.contact],
         skeleton=skeleton,
     )
     database = run(job)

@@ -4,13 +4,14 @@ from pathlib import Path
 
 import bpy
 
-from . import bake, databases, figures, job_operator, predictor, presets, recording, rig, takes
+from . import bake, contacts, databases, figures, job_operator, predictor, presets, recording, rig, takes
 
 SHIPPED_PRESETS = str(Path(__file__).parents[1])
 """Folder whose `presets` Blender looks through too."""
 CLASSES = (
     job_operator.FOOTWORK_OT_cancel_job,
     *takes.CLASSES,
+    *contacts.CLASSES,
     *databases.CLASSES,
     *predictor.CLASSES,
     *recording.CLASSES,

@@ -17,6 +17,7 @@ from ..core.jobs import part
 from ..core.mocap.takes import load_take
 from ..core.settings import DatabaseSettings
 from . import files
+from .contacts import edits_of_row
 from .job_operator import JobOperator
 
 
@@ -57,13 +58,13 @@ class FOOTWORK_OT_build_database(JobOperator, bpy.types.Operator):
         rows = [take for take in footwork.takes if take.use and take.state != "FAULT"]
         takes = [bpy.path.abspath(take.path) for take in rows]
         exclude = [
-            parse_exclusion(f"{path}:{part.strip()}")
+            parse_exclusion(f"{path}:{text}")
             for path, take in zip(takes, rows, strict=True)
-            for part in take.leave_out.split(",")
-            if part.strip()
+            for text in files.listed(take.leave_out)
         ]
-        tags = tuple(tag.strip() for tag in footwork.database_tags.split(",") if tag.strip())
-        return _build(takes, settings, self._path, tags, exclude)
+        contact_edits = [edit for take in rows for edit in edits_of_row(take)]
+        tags = tuple(files.listed(footwork.database_tags))
+        return _build(takes, settings, self._path, tags, exclude, contact_edits)
 
     def finish(self, context, result):
         database, doubts = result
@@ -88,7 +89,7 @@ def database_path(footwork: bpy.types.PropertyGroup, override: str = "") -> Path
     return Path(files.beside_blend(f"{stem}_database.npz"))
 
 
-def _build(paths, settings, target, tags, exclude):
+def _build(paths, settings, target, tags, exclude, contact_edits):
     if not target.parent.is_dir():
         raise InputError(f"{target.parent}: no such folder; choose another file under Save As")
     takes, doubts = [], []
@@ -97,7 +98,9 @@ def _build(paths, settings, target, tags, exclude):
         take = load_take(path, settings.fps)
         takes.append(take)
         doubts.extend(f"{take.name}: {doubt}" for doubt in take.doubts)
-    job = build_database(takes, settings, name=target.stem, tags=tags, exclude=exclude)
+    job = build_database(
+        takes, settings, name=target.stem, tags=tags, exclude=exclude, contact_edits=contact_edits
+    )
     database = yield from part(job, 0.5, 1.0)
     return database, doubts
 

@@ -1,5 +1,6 @@
 """What operators on files and lists share."""
 
+import os
 from pathlib import Path
 
 import bpy
@@ -21,6 +22,11 @@ def stored(path: str) -> str:
         return bpy.path.relpath(path)
     except ValueError:
         return path
+
+
+def absolute(path: str) -> str:
+    """A stored path as the one that every other way to the same file gives, too."""
+    return os.path.normpath(bpy.path.abspath(path))
 
 
 def beside_blend(name: str) -> str:
@@ -66,6 +72,11 @@ def select_only(context, obj: bpy.types.Object) -> None:
 def active(rows, index: int):
     """The active row of a list; None where the list is empty."""
     return rows[min(max(index, 0), len(rows) - 1)] if rows else None
+
+
+def listed(text: str) -> list[str]:
+    """The parts of a text that are separated by commas."""
+    return [part.strip() for part in text.split(",") if part.strip()]
 
 
 def typed(value: float) -> float:

@@ -12,6 +12,7 @@ from ..bridge.lookup import find_scene
 from ..core.errors import InputError
 from ..core.mocap.takes import load_take
 from . import files
+from .contacts import contacts_to_show, edits_of_row
 from .job_operator import JobOperator
 
 
@@ -37,9 +38,9 @@ class FOOTWORK_OT_add_takes(bpy.types.Operator, ImportHelper):
         if not paths:
             self.report({"ERROR"}, "No file chosen")
             return {"CANCELLED"}
-        listed = {bpy.path.abspath(take.path) for take in footwork.takes}
+        listed = {files.absolute(take.path) for take in footwork.takes}
         for path in paths:
-            if path not in listed:
+            if files.absolute(path) not in listed:
                 row = footwork.takes.add()
                 row.path, row.name = files.stored(path), Path(path).stem
                 footwork.take_index = len(footwork.takes) - 1
@@ -152,7 +153,7 @@ class FOOTWORK_OT_move_take(bpy.types.Operator):
 
 
 class FOOTWORK_OT_import_take(bpy.types.Operator, ImportHelper):
-    """Show a take in the scene as an armature in metres, upright, at the scene's frame rate"""
+    """Show a take as an armature in metres, upright, at the scene's frame rate; its foot contacts are keyed, too"""
 
     bl_idname = "footwork.import_take"
     bl_label = "Import Take as Armature"
@@ -169,20 +170,27 @@ class FOOTWORK_OT_import_take(bpy.types.Operator, ImportHelper):
 
     def execute(self, context):
         scene = context.scene
+        fps, start = scene_fps(scene), scene.footwork.frame_start
         try:
             for path in files.chosen(self):
-                take = load_take(path, scene_fps(scene))
-                obj = preview.show_motion(
-                    take.motion, take.name, context.collection, scene, scene.footwork.frame_start
-                )
+                take = load_take(path)
+                contacts = contacts_to_show(take, scene.footwork, fps, _edits_of(scene.footwork, path))
+                file = files.stored(path)
+                obj = preview.show_take(take, contacts, file, context.collection, scene, start)
                 for doubt in take.doubts:
                     self.report({"WARNING"}, f"{take.name}: {doubt}")
         except InputError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         files.select_only(context, obj)
-        self.report({"INFO"}, f"{take.name}: {len(take.motion)} frames at {take.motion.fps:g} fps")
+        self.report({"INFO"}, f"{take.name}: {len(contacts)} frames at {fps:g} fps")
         return {"FINISHED"}
+
+
+def _edits_of(footwork, path):
+    """The edited contacts of a file that is in the list of takes; none where it is not."""
+    rows = [row for row in footwork.takes if files.absolute(row.path) == files.absolute(path)]
+    return edits_of_row(rows[0]) if rows else []
 
 
 class FOOTWORK_FH_takes(bpy.types.FileHandler):

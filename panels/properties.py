@@ -57,6 +57,11 @@ class FOOTWORK_PG_take(Row, bpy.types.PropertyGroup):
         name="Leave Out",
         description='Seconds that stay out of the database, such as "0-1.5, 30-32"; "90-" is up to the end',
     )
+    contacts: StringProperty(
+        name="Contacts",
+        description="Seconds in which a foot is planted or lifted, whatever is detected, such as "
+        '"L:planted:1.2-1.65, R:lifted:3-3.4"',
+    )
 
 
 class FOOTWORK_PG_database(Row, bpy.types.PropertyGroup):

@@ -53,6 +53,8 @@ class FOOTWORK_PT_takes(Part, bpy.types.Panel):
         if body:
             text.facts(context, body, take.found)
             body.prop(take, "leave_out", placeholder="seconds, such as 0-1.5, 30-32")
+            body.prop(take, "contacts", placeholder="such as L:planted:1.2-1.65")
+            body.operator("footwork.use_edited_contacts", icon="ACTION")
         text.notes(context, layout, take.doubts, "CANCEL" if take.state == "FAULT" else "ERROR")
 
         settings = footwork.database_settings

@@ -178,6 +178,27 @@ def test_same_inputs_give_the_same_bytes(tmp_path: Path, demo: Path) -> None:
         assert arrays.files
 
 
+def test_contacts_are_set_by_hand(tmp_path: Path, demo: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    command = ["build-database", str(demo / "turn.bvh"), str(demo / "walk.bvh"), "-o"]
+    texts = ["walk:L:lifted:1.2-1.65", "turn.bvh:R:planted:13.5-"]
+    options = [word for text in texts for word in ("--contact", text)]
+    assert main([*command, str(tmp_path / "plain.npz")]) == 0
+    assert main([*command, str(tmp_path / "edited.npz"), *options]) == 0
+    assert main([*command, str(tmp_path / "no.npz"), "--contact", "walk:left:lifted:1-2"]) == 2
+    assert "the foot is 'left'; write L or R" in capsys.readouterr().err
+    assert main([*command, str(tmp_path / "no.npz"), *options, "--contact", "walk:L:planted:1-1.5"]) == 2
+    assert "says the opposite from 1.2 s on" in capsys.readouterr().err
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["edited.npz", "plain.npz"]
+    with np.load(tmp_path / "plain.npz") as plain, np.load(tmp_path / "edited.npz") as edited:
+        expected = plain["contacts"].copy()
+        start = int(plain["clip_starts"][1])
+        expected[start + 72 : start + 99, 0] = False
+        expected[13 * 60 + 30 : start, 1] = True
+        assert (expected != plain["contacts"])[:, 0].any()
+        np.testing.assert_array_equal(edited["contacts"], expected)
+        assert json.loads(json.loads(str(edited["provenance"]))["contacts"]) == texts
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [

@@ -19,7 +19,8 @@ from ..mocap.standing import standing_head_height
 from ..settings import DatabaseSettings, check
 from .carry import carry_over
 from .clips import Exclusion, check_exclusions, file_name, kept_ranges
-from .contacts import find_contacts, toe_positions
+from .contact_edits import ContactEdit, check_contact_edits, edit_contacts, edits_of
+from .contacts import detect_contacts
 from .features import clip_features, horizon_frames, normalize_features
 from .motion_database import Clip, MotionDatabase, PoseDatabase
 from .poses import clip_poses, join_poses
@@ -48,6 +49,7 @@ def build_database(
     name: str,
     tags: Sequence[str] = (),
     exclude: Sequence[Exclusion] = (),
+    contact_edits: Sequence[ContactEdit] = (),
     skeleton: Skeleton | None = None,
 ) -> Job[MotionDatabase]:
     """Build a motion database.
@@ -61,11 +63,14 @@ def build_database(
         name: shown to people.
         tags: words to find the database by.
         exclude: stretches of takes to leave out; what remains on both sides becomes clips of its own.
+        contact_edits: where feet are planted or lifted, whatever is detected; sides are those of the take, in its
+            mirror image the other foot's contacts change.
         skeleton: the database's, such as that of another database that a bake is to use, too; by default the
             first take's.
 
     Raises:
-        InputError: no take, a setting out of bounds, an exclusion of an unknown take, or nothing long enough.
+        InputError: no take, a setting out of bounds, an exclusion or a contact of an unknown take, contacts that
+            contradict each other, or nothing long enough.
     """
     check(settings)
     if settings.height_low >= settings.height_high:
@@ -74,6 +79,7 @@ def build_database(
     if not takes:
         raise InputError(f"database {name!r}: no takes; give at least one mocap file")
     check_exclusions(takes, exclude)
+    check_contact_edits(takes, contact_edits)
     skeleton = skeleton or takes[0].motion.skeleton
     pieces: list[_Piece] = []
     mirrored: list[_Piece] = []
@@ -83,12 +89,13 @@ def build_database(
         yield i / len(takes), f"Features of {take.name}"
         motion = carry_over(resample(take.motion, settings.fps), skeleton)
         motions.append(motion)
+        edits = edits_of(take, contact_edits)
         for clip in _clips(take, motion, exclude, skipped):
             part = cut(motion, clip.start, clip.stop)
-            pieces.append(_piece(clip, part, settings))
+            pieces.append(_piece(clip, part, settings, edits))
             if settings.mirror:
                 image = carry_over(mirror(part), skeleton)
-                mirrored.append(_piece(replace(clip, mirrored=True), image, settings))
+                mirrored.append(_piece(replace(clip, mirrored=True), image, settings, edits))
     pieces += mirrored
     if not pieces:
         raise InputError(f"database {name!r}: nothing to use: {'; '.join(skipped)}")
@@ -107,7 +114,7 @@ def build_database(
         eye_height=standing_head_height(*motions),
         height_range=(settings.height_low, settings.height_high),
         tags=tuple(tags),
-        provenance=_provenance(takes, settings, exclude, skipped),
+        provenance=_provenance(takes, settings, exclude, contact_edits, skipped),
     )
 
 
@@ -130,10 +137,10 @@ def _clips(take: Take, motion: Motion, exclude: Sequence[Exclusion], skipped: li
     return clips
 
 
-def _piece(clip: Clip, motion: Motion, settings: DatabaseSettings) -> _Piece:
+def _piece(clip: Clip, motion: Motion, settings: DatabaseSettings, edits: Sequence[ContactEdit]) -> _Piece:
     positions, yaws = virtual_root(motion, settings.root_smoothing)
-    toes = toe_positions(motion)
-    contacts = find_contacts(toes, motion.fps, settings.contact_speed, settings.contact_window)
+    contacts = detect_contacts(motion, settings)
+    contacts = edit_contacts(contacts, edits, motion.fps, first=clip.start, mirrored=clip.mirrored)
     features, valid = clip_features(motion, positions, yaws)
     return _Piece(clip, clip_poses(motion, positions, yaws, contacts), features, valid)
 
@@ -148,7 +155,11 @@ def _clip_table(pieces: Sequence[_Piece]) -> tuple[Clip, ...]:
 
 
 def _provenance(
-    takes: Sequence[Take], settings: DatabaseSettings, exclude: Sequence[Exclusion], skipped: Sequence[str]
+    takes: Sequence[Take],
+    settings: DatabaseSettings,
+    exclude: Sequence[Exclusion],
+    contact_edits: Sequence[ContactEdit],
+    skipped: Sequence[str],
 ) -> dict[str, str]:
     """What the database was made of, as JSON texts.
 
@@ -169,5 +180,6 @@ def _provenance(
         "sources": json.dumps(sources),
         "settings": json.dumps(asdict(settings)),
         "excluded": json.dumps([str(replace(item, take=file_name(item.take))) for item in exclude]),
+        "contacts": json.dumps([str(replace(item, take=file_name(item.take))) for item in contact_edits]),
         "skipped": json.dumps(list(skipped)),
     }

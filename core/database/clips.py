@@ -49,7 +49,7 @@ def parse_exclusion(text: str) -> Exclusion:
 def check_exclusions(takes: Sequence[Take], exclusions: Sequence[Exclusion]) -> None:
     """Raise InputError for an exclusion that names no take or starts past the end of those it names."""
     for exclusion in exclusions:
-        named = [take for take in takes if _names(exclusion, take)]
+        named = [take for take in takes if names_take(exclusion.take, take)]
         if not named:
             names = ", ".join(take.name for take in takes)
             raise InputError(f"exclude {exclusion.take!r}: no such take; there are {names}")
@@ -74,7 +74,7 @@ def kept_ranges(
     kept: list[tuple[int, int]] = []
     at = 0
     for exclusion in sorted(exclusions, key=lambda item: item.start):
-        if _names(exclusion, take):
+        if names_take(exclusion.take, take):
             start = min(round(exclusion.start * fps), frames)
             if start > at:
                 kept.append((at, start))
@@ -89,5 +89,6 @@ def file_name(path: str) -> str:
     return re.split(r"[\\/]", path)[-1]
 
 
-def _names(exclusion: Exclusion, take: Take) -> bool:
-    return exclusion.take in (take.name, take.file, file_name(take.file))
+def names_take(name: str, take: Take) -> bool:
+    """Whether a take goes by this name: its own, or its file with or without folders."""
+    return name in (take.name, take.file, file_name(take.file))

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ..maths import filters, kinematics, quat
 from ..mocap.skeleton import SIDES, Motion, Skeleton
+from ..settings import DatabaseSettings
 
 Array = NDArray[np.floating[Any]]
 
@@ -47,6 +48,11 @@ def place_toes(skeleton: Skeleton, positions: Array, rotations: Array) -> Array:
     return positions[:, joints] + quat.rotate(rotations[:, joints], offsets)
 
 
+def detect_contacts(motion: Motion, settings: DatabaseSettings) -> NDArray[np.bool_]:
+    """Contacts `(T, 2)` of the left and the right foot, as a database with these settings gets them."""
+    return find_contacts(toe_positions(motion), motion.fps, settings.contact_speed, settings.contact_window)
+
+
 def find_contacts(
     toes: Array, fps: float, speed: float = 0.15, window_s: float = 13 / 60
 ) -> NDArray[np.bool_]:
@@ -60,3 +66,11 @@ def find_contacts(
     """
     slow = np.linalg.norm(kinematics.velocity(toes, fps), axis=-1) < speed
     return filters.median(slow, filters.odd_window(window_s, fps))
+
+
+def resample_contacts(contacts: NDArray[np.bool_], fps: float, to_fps: float) -> NDArray[np.bool_]:
+    """Contacts `(T, 2)` at another rate: each frame as the nearest one of `contacts`; the first frame stays."""
+    if len(contacts) == 0:
+        return contacts.copy()
+    frames = np.arange(int((len(contacts) - 1) / fps * to_fps + 1e-6) + 1) * (fps / to_fps)
+    return contacts[np.minimum((frames + 0.5).astype(np.intp), len(contacts) - 1)]

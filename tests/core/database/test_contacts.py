@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from footwork.core.database.contacts import find_contacts, toe_places, toe_positions
+from footwork.core.database.contacts import find_contacts, resample_contacts, toe_places, toe_positions
 from footwork.core.mocap.demo import demo_motion, demo_skeleton
 
 
@@ -76,3 +76,23 @@ def test_toe_joints() -> None:
     joints, offsets = toe_places(skeleton)
     assert [skeleton.names[j] for j in joints] == ["LeftToe", "RightToe"]
     assert not offsets.any()
+
+
+@pytest.mark.parametrize(
+    ("to", "expected"),
+    [
+        (10.0, "..###..##"),
+        # halfway between two frames the later one
+        (20.0, "...######....####"),
+        # frames 0, 2, 4, 6, 8; then 0, 4, 8
+        (5.0, ".##.#"),
+        (2.5, ".##"),
+        # times 0, 0.125, ... 0.75 s: frames 0, 1.25, 2.5, 3.75, 5, 6.25, 7.5
+        (8.0, "..##..#"),
+    ],
+)
+def test_contacts_at_another_rate(to: float, expected: str) -> None:
+    column = np.array([letter == "#" for letter in "..###..##"])
+    shown = resample_contacts(np.column_stack([column, ~column]), 10.0, to)
+    wanted = np.array([letter == "#" for letter in expected])
+    np.testing.assert_array_equal(shown, np.column_stack([wanted, ~wanted]))

@@ -1,0 +1,78 @@
+"""Foot contacts of a take: those of a build, and those that were edited on the armature that shows it."""
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ..bridge import contacts as keyed
+from ..bridge.settings import read_settings
+from ..core.database.contact_edits import (
+    ContactEdit,
+    check_contact_edits,
+    edit_contacts,
+    find_contact_edits,
+    parse_contact_edit,
+)
+from ..core.database.contacts import detect_contacts, resample_contacts
+from ..core.errors import InputError
+from ..core.mocap.edit import resample
+from ..core.mocap.skeleton import Take
+from ..core.mocap.takes import load_take
+from ..core.settings import DatabaseSettings
+from . import files
+
+
+def edits_of_row(row: bpy.types.PropertyGroup) -> list[ContactEdit]:
+    """What a row of the list of takes says under Contacts."""
+    path = bpy.path.abspath(row.path)
+    return [parse_contact_edit(f"{path}:{text}") for text in files.listed(row.contacts)]
+
+
+def contacts_to_show(
+    take: Take, footwork: bpy.types.PropertyGroup, fps: float, edits: list[ContactEdit]
+) -> NDArray[np.bool_]:
+    """Contacts `(T, 2)` of a take at `fps`: as detected with the scene's settings, with `edits` over them."""
+    settings = read_settings(footwork.database_settings, DatabaseSettings)
+    check_contact_edits([take], edits)
+    detected = detect_contacts(resample(take.motion, settings.fps), settings)
+    return resample_contacts(edit_contacts(detected, edits, settings.fps), settings.fps, fps)
+
+
+class FOOTWORK_OT_use_edited_contacts(bpy.types.Operator):
+    """Take the foot contacts of the selected take from the keys of contact_L and contact_R on its armature"""
+
+    bl_idname = "footwork.use_edited_contacts"
+    bl_label = "Use Edited Contacts"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        footwork = context.scene.footwork
+        row = files.active(footwork.takes, footwork.take_index)
+        if row is None:
+            return files.poll_active(cls, footwork.takes, "take")
+        if files.absolute(keyed.shown_take(context.object)) != files.absolute(row.path):
+            cls.poll_message_set(f"Select the armature that Show Take in Scene made of {row.name}")
+            return False
+        return True
+
+    def execute(self, context):
+        footwork, obj = context.scene.footwork, context.object
+        row = files.active(footwork.takes, footwork.take_index)
+        try:
+            take = load_take(bpy.path.abspath(row.path))
+            fps = keyed.shown_rate(obj)
+            detected = contacts_to_show(take, footwork, fps, [])
+            edits = find_contact_edits(take.name, keyed.read_contacts(obj, len(detected)), detected, fps)
+        except InputError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        row.contacts = ", ".join(edit.within_take for edit in edits)
+        found = "all contacts are as detected"
+        if edits:
+            found = f"{len(edits)} stretch{'es' * (len(edits) > 1)} not as detected; build the database to use them"
+        self.report({"INFO"}, f"{take.name}: {found}")
+        return {"FINISHED"}
+
+
+CLASSES = (FOOTWORK_OT_use_edited_contacts,)
