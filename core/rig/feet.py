@@ -1,4 +1,4 @@
-"""Feet on the ground: one lock per contact, toes above the floor, legs solved to them (paper, section 6.2).
+"""Feet on the ground: planted in contacts, toes above the floor, legs solved to them (paper, section 6.2).
 
 The whole motion is known, so a foot comes to its lock and leaves it while it is in the air: through a
 contact the toe stands still, and the offset that this takes is carried from one contact to the next by a
@@ -7,6 +7,7 @@ curve that keeps the toe's velocity continuous.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -15,9 +16,9 @@ from numpy.typing import NDArray
 
 from ..database.contacts import toe_places
 from ..maths import quat
-from ..maths.vectors import norm
+from ..maths.vectors import dot, level, norm, unit
 from ..mocap.skeleton import SIDES, Motion, Skeleton
-from . import heel, locks, two_bone
+from . import footsteps, heel, locks, two_bone
 from .pose import with_world_rotations, world_positions, world_rotations
 
 Array = NDArray[np.floating[Any]]
@@ -43,7 +44,7 @@ class FootPlan:
     toes: Array
     """`(T, 2, 3)` world positions of the toes, metres (see `core.database.contacts.toe_places`)."""
     rotations: Array
-    """`(T, 2, 4)` world rotations of the foot joints before heels rise."""
+    """`(T, 2, 4)` world rotations of the foot joints before heels rise to reach them."""
     contacts: NDArray[np.bool_]
     """`(T, 2)` frames in which the toe stands still."""
 
@@ -57,9 +58,9 @@ def plan_feet(
 ) -> FootPlan:
     """Where the feet of a motion go once they are locked to the floor.
 
-    Each contact holds the toe at the middle of where the motion has it, at the toe joint's own height over
-    the floor, and nearer to the body where the leg would not reach it. Where the motion leaves that point
-    by more than `unlock_distance` the foot is let go and follows with a step.
+    Each contact holds the toe near where the motion has it, at the toe joint's own height over the floor,
+    and nearer to the body where the leg would not reach it. Where one place cannot be within
+    `unlock_distance` of all of a contact the foot makes steps of its own.
 
     Args:
         motion: metres, the floor at Z = 0.
@@ -74,30 +75,28 @@ def plan_feet(
     hips = world_positions(body, world_rotations(body, [leg.thigh for leg in legs]))
     rotations = world_rotations(motion, [leg.end for leg in legs])
     positions = world_positions(motion, rotations)
-    held = np.zeros_like(contacts)
     paths = [positions[leg.end] + quat.rotate(rotations[leg.end], leg.shift) for leg in legs]
+    plants = footsteps.plan_plants(paths, contacts, _loads(hips, paths, legs), unlock_distance, motion.fps)
+    held = np.zeros_like(contacts)
     toes = np.empty((len(motion), 2, 3))
-    both = locks.take_turns(
-        [
-            locks.find_locks(path, contacts[:, side], leg.height, unlock_distance, motion.fps)
-            for side, (leg, path) in enumerate(zip(legs, paths, strict=True))
-        ],
-        motion.fps,
-    )
+    feet: list[Array] = []
     for side, (leg, path) in enumerate(zip(legs, paths, strict=True)):
-        pitch = heel.pitch_of(rotations[leg.foot], leg.to_toe)
-        found = _within_reach(both[side], pitch, hips[leg.thigh], leg)
+        stands, pitch = contacts[:, side], heel.pitch_of(rotations[leg.foot], leg.to_toe)
+        found = locks.make_locks(path, plants[side], stands, leg.height, unlock_distance, motion.fps)
+        found = locks.give_time(path, _within_reach(found, pitch, hips[leg.thigh], leg), stands, motion.fps)
         for lock in found:
             held[lock.first : lock.last + 1, side] = True
         free = _freedom(held[:, side], _FREE_S * motion.fps)
-        path += locks.offsets(path, found, max(2, round(4.0 * halflife * motion.fps)))
+        path += locks.offsets(path, found, halflife, motion.fps)
         # hips that are higher than the motion's take a foot in the air along
         rise = np.maximum((hips[leg.thigh] - positions[leg.thigh])[:, 2], 0.0)
         path[:, 2] += _FOLLOW * rise**2 / (rise + _SOFT_RISE) * free
-        path[:, :2] += _pull(path, pitch, hips[leg.thigh], leg) * free[:, None]
-        path[:, 2] = leg.height + locks.clear(path[:, 2] - leg.height, held[:, side], motion.fps)
+        path += _pull(path, pitch, hips[leg.thigh], leg) * free[:, None]
+        path[:, 2] = leg.height + locks.clear(path[:, 2] - leg.height, found, motion.fps)
         toes[:, side] = path
-    return FootPlan(toes, np.stack([rotations[leg.foot] for leg in legs], axis=1), held)
+        heel_up = quat.from_rotation_vector(-pitch.right * locks.tilt(found, len(motion))[:, None])
+        feet.append(quat.multiply(heel_up, rotations[leg.foot]))
+    return FootPlan(toes, np.stack(feet, axis=1), held)
 
 
 def place_feet(motion: Motion, plan: FootPlan) -> Motion:
@@ -189,11 +188,16 @@ def _freedom(held: NDArray[np.bool_], blend: float) -> Array:
 
 
 def _pull(path: Array, pitch: heel.Pitch, hips: Array, leg: _Leg) -> Array:
-    """What brings a toe in the air within the leg's reach `(T, 2)`, over the ground towards the body."""
+    """What brings a toe in the air within the leg's reach `(T, 3)`, straight towards the thigh."""
     excess = pitch.nearest(hips, path) - heel.longest(leg.length)
     excess = 0.5 * (excess + np.sqrt(excess**2 + _SOFT_PULL**2))
-    way = hips - path
-    level = np.maximum(norm(way[:, :2]), 1e-6)
-    share = np.minimum(excess * norm(way) / level**2, 1.0)
-    # a foot below the body has nowhere to be pulled to
-    return way[:, :2] * (share * np.minimum(level / _SOFT_PULL, 1.0))[:, None]
+    return unit(hips - path) * excess[:, None]
+
+
+def _loads(hips: Mapping[int, Array], toes: Sequence[Array], legs: Sequence[_Leg]) -> Array:
+    """Share of the weight on each foot `(T, 2)`, by where the pelvis is between the toes."""
+    pelvis = 0.5 * (hips[legs[0].thigh] + hips[legs[1].thigh])
+    across = level(toes[1] - toes[0])
+    right = dot(pelvis - toes[0], across) / np.maximum(dot(across, across), 1e-4)
+    right = np.clip(right, 0.0, 1.0)
+    return np.stack([1.0 - right, right], axis=-1)

@@ -1,4 +1,4 @@
-"""Foot locks on a demo walk, whose feet are planted by construction, and on feet that are made to slide."""
+"""Planted feet on a demo walk, whose feet stand by construction, and on feet that are made to slide."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ import pytest
 from footwork.core.database.contacts import find_contacts, toe_positions
 from footwork.core.mocap.skeleton import Motion
 from footwork.core.rig.feet import place_feet, plan_feet
-from footwork.core.rig.locks import Lock, clear, find_locks, offsets, take_turns
 
 UNLOCK, HALFLIFE = 0.2, 0.1
 
@@ -132,28 +131,46 @@ def test_locks_come_within_reach_of_a_body_elsewhere(walk: Motion, contacts: np.
     assert np.abs(toes[plan.contacts] - plan.toes[plan.contacts]).max() < 2e-3
 
 
-def test_a_motion_that_leaves_its_lock_is_followed_by_a_step() -> None:
-    frames = 240
-    path = np.zeros((frames, 3))
-    path[:, 0] = np.interp(np.arange(frames), [60, 90], [0.0, 1.0])
-    locks = find_locks(path, np.ones(frames, np.bool_), 0.02, UNLOCK, 60.0)
-    assert len(locks) > 1 and locks[1].steps and not locks[0].steps
-    assert locks[1].first - locks[0].last >= 14
-    for item in locks:
-        assert np.abs(path[item.first : item.last + 1, 0] - item.point[0]).max() <= UNLOCK + 1e-9
-    toe = path + offsets(path, locks, 24)
-    gap = slice(locks[0].last + 1, locks[1].first)
-    assert toe[gap, 2].max() > 0.03
-    assert np.linalg.norm(np.diff(toe, axis=0), axis=-1).max() * 60.0 < 8.0
+@pytest.fixture(scope="module")
+def leaving(walk: Motion) -> Motion:
+    """A body that stands still as it does at the walk's start, and whose root is dragged 0.5 m aside in 10 s."""
+    frames = 600
+    standing = replace(
+        walk, positions=walk.positions[:1].repeat(frames, 0), rotations=walk.rotations[:1].repeat(frames, 0)
+    )
+    away = 0.05 / 60.0 * np.arange(frames)[:, None] * np.array([0.8, 0.6, 0.0])
+    return replace(standing, positions=standing.positions + away)
 
 
-def test_short_gaps_and_short_contacts_change_nothing() -> None:
-    flags = np.zeros(120, np.bool_)
-    flags[20:60] = True
-    flags[40:43] = False
-    flags[100:103] = True
-    locks = find_locks(np.zeros((120, 3)), flags, 0.0, UNLOCK, 60.0)
-    assert [(item.first, item.last) for item in locks] == [(20, 59)]
+def test_a_root_that_leaves_its_feet_is_followed_by_steps(leaving: Motion) -> None:
+    locked, held = lock(leaving, np.ones((len(leaving), 2), np.bool_))
+    toes = toe_positions(locked)
+    speed = np.linalg.norm(np.diff(toes[..., :2], axis=0), axis=-1) * 60.0
+    assert speed[held[1:] & held[:-1]].max() < 1e-4
+    # as far as a step goes in its time without haste: way / time * 15 / 8, and 6 way / time^2
+    assert speed.max() < 1.3
+    bend = np.linalg.norm(np.diff(toes[..., :2], n=2, axis=0), axis=-1) * 3600.0
+    assert bend.max() < 12.0
+    assert held.any(axis=1).all()
+    height = locked.skeleton.tpose_positions()[locked.skeleton.joint("toe.L"), 2]
+    for side in range(2):
+        edges = np.flatnonzero(np.diff(held[:, side], prepend=True, append=True)).reshape(-1, 2)
+        assert len(edges) in (1, 2)
+        for first, stop in edges:
+            assert (stop - first) / 60.0 >= 0.3
+            assert 0.03 < toes[first:stop, side, 2].max() - height < 0.12
+    away = np.linalg.norm((toes - toe_positions(leaving))[..., :2], axis=-1)
+    assert away[held].max() <= UNLOCK + 1e-3
+
+
+def test_the_heel_leaves_first_in_a_step_of_ours(leaving: Motion, world) -> None:
+    locked, held = lock(leaving, np.ones((len(leaving), 2), np.bool_))
+    first, stop = np.flatnonzero(np.diff(held[:, 0], prepend=True, append=True))[:2]
+    toe, ankle = toe_positions(locked)[:, 0, 2], world(locked, "foot.L")[0][:, 2]
+    lifted = ankle - toe - (ankle - toe)[first - 1]
+    early = (stop - first) // 3
+    assert lifted[first : first + early].max() > 0.02
+    assert np.abs(lifted[stop - 2 : stop + 2]).max() < 0.01
 
 
 @pytest.mark.parametrize("frames", [1, 2, 3, 7])
@@ -161,30 +178,6 @@ def test_short_motions(walk: Motion, contacts: np.ndarray, frames: int) -> None:
     short = replace(walk, positions=walk.positions[:frames], rotations=walk.rotations[:frames])
     locked, _ = lock(short, contacts[:frames])
     assert np.isfinite(locked.rotations).all() and len(locked) == frames
-
-
-def test_clearance_keeps_what_is_high_and_lifts_what_is_low() -> None:
-    held = np.zeros(61, np.bool_)
-    held[:10] = held[50:] = True
-    heights = np.where(held, 0.0, 0.1)
-    np.testing.assert_allclose(clear(heights, held, 60.0)[20:40], 0.1, atol=2e-3)
-    low = clear(np.where(held, 0.0, -0.03), held, 60.0)
-    assert (low >= 0.0).all() and low[30] > 0.015 and (low[held] == 0.0).all()
-
-
-def test_own_steps_take_turns_and_their_time() -> None:
-    def pair(stop: int, way: float) -> list[Lock]:
-        here, there = np.zeros(3), np.array([way, 0.0, 0.0])
-        return [Lock(0, stop, here, False), Lock(stop + 15, 400, there, True)]
-
-    left, right = take_turns([pair(100, 0.1), pair(105, 0.4)], 60.0)
-    assert [lock.first for lock in left] == [0, 100 + round((0.25 + 0.35 * 0.1) * 60)]
-    assert right[0].last >= left[1].first and right[1].first - right[0].last == round(
-        (0.25 + 0.35 * 0.4) * 60
-    )
-    # no room to wait: the step stays where it was
-    short = [Lock(0, 105, np.zeros(3), False), Lock(120, 128, np.ones(3), True)]
-    assert take_turns([pair(100, 0.1), short], 60.0)[1] == short
 
 
 def test_a_knee_does_not_snap_where_the_leg_gets_straight(walk: Motion) -> None:
