@@ -144,7 +144,8 @@ def _add_build(sub: argparse.ArgumentParser) -> None:
         type=float,
         metavar=("LO", "HI"),
         default=(0.0, 2.0),
-        help="headset heights over standing eye height for which it is meant (default: 0 2)",
+        help="headset heights over standing eye height for which it is meant (default: 0 2; with --body-height up to "
+        "or from halfway to standing)",
     )
     sub.add_argument(
         "--tag", action="append", default=[], metavar="T", help="a word to find it by; may be repeated"
@@ -257,6 +258,12 @@ def build(options: argparse.Namespace) -> Report:
 
 def info(options: argparse.Namespace) -> Report:
     """What a database holds."""
+    if settings.body_height != 1.0:
+        low, high = database.height_range
+        say(
+            options,
+            f"  for headset heights {low:g} to {high:g}; an upright database needs a --height-range beside that",
+        )
     from ..core.database.describe import describe_database
     from ..core.database.sidecar import load_database
 
@@ -275,6 +282,8 @@ def info(options: argparse.Namespace) -> Report:
         mirrored = " mirrored" if clip["mirrored"] else ""
         say(options, f"  {clip['seconds']:8.1f} s       {clip['name']}{mirrored}")
     return report
+    if report["body_height"] != 1.0:
+        say(options, f"  body height      {report['body_height']:g}")
 
 
 def train(options: argparse.Namespace) -> Report:

@@ -71,6 +71,14 @@ class DatabaseSettings:
         high=2.0,
         unit="s",
     )
+    body_height: float = setting(
+        1.0,
+        "Body Height",
+        "Share of the standing eye height that the takes are brought to: 0.7 makes crouched walks of walks, 1.04 walks "
+        "on tip-toe; 1 leaves them as they are",
+        low=0.6,
+        high=1.06,
+    )
     height_low: float = setting(
         0.0,
         "From",

@@ -131,6 +131,11 @@ def _lines(described: dict) -> list[tuple[str, str]]:
         ("walking", ", ".join(shares)),
         ("speed", f"median {speed['median']:.1f}, up to {speed['max']:.1f} m/s"),
         ("turning", f"{turning['p5']:.0f} to {turning['p95']:.0f} °/s"),
+        *(
+            [("body height", f"{described['body_height']:g} of standing")]
+            if described["body_height"] != 1.0
+            else []
+        ),
         ("headset height", f"{low:.2f} to {high:.2f} of standing"),
         ("foot skate", "no contacts" if skate is None else f"{skate:.1f} cm/s"),
     ]

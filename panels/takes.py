@@ -62,6 +62,7 @@ class FOOTWORK_PT_takes(Part, bpy.types.Panel):
         column.use_property_split = True
         column.use_property_decorate = False
         column.prop(settings, "mirror")
+        column.prop(settings, "body_height")
         heights = column.row(align=True)
         heights.prop(settings, "height_low", text="Height Range")
         heights.prop(settings, "height_high", text="")
@@ -78,7 +79,7 @@ class FOOTWORK_PT_takes(Part, bpy.types.Panel):
         body.use_property_decorate = False
         settings = footwork.database_settings
         for name in settings.__annotations__:
-            if name not in ("mirror", "height_low", "height_high"):
+            if name not in ("mirror", "body_height", "height_low", "height_high"):
                 body.prop(settings, name)
         body.prop(footwork, "database_tags")
 

@@ -24,6 +24,7 @@ from .contacts import detect_contacts
 from .features import clip_features, horizon_frames, normalize_features
 from .motion_database import Clip, MotionDatabase, PoseDatabase
 from .poses import clip_poses, join_poses
+from .variants import at_body_height, usual_height_range
 from .virtual_root import virtual_root
 
 Array = NDArray[np.floating[Any]]
@@ -55,11 +56,12 @@ def build_database(
     """Build a motion database.
 
     Takes on another skeleton than the database's are carried over by joint role, takes at another rate are
-    resampled. With `settings.mirror` the mirror images follow after all clips.
+    resampled, and brought to `settings.body_height`; a height range left at its default is then the usual one of
+    that height. With `settings.mirror` the mirror images follow after all clips.
 
     Args:
         takes: at least one.
-        settings: rate, contacts, mirror, height range.
+        settings: rate, contacts, mirror, body height, height range.
         name: shown to people.
         tags: words to find the database by.
         exclude: stretches of takes to leave out; what remains on both sides becomes clips of its own.
@@ -70,7 +72,7 @@ def build_database(
 
     Raises:
         InputError: no take, a setting out of bounds, an exclusion or a contact of an unknown take, contacts that
-            contradict each other, or nothing long enough.
+            contradict each other, a body height that the feet do not reach, or nothing long enough.
     """
     check(settings)
     if settings.height_low >= settings.height_high:
@@ -86,16 +88,20 @@ def build_database(
     skipped: list[str] = []
     motions: list[Motion] = []
     for i, take in enumerate(takes):
-        yield i / len(takes), f"Features of {take.name}"
-        motion = carry_over(resample(take.motion, settings.fps), skeleton)
-        motions.append(motion)
+        yield 0.2 * i / len(takes), f"Skeleton of {take.name}"
+        motions.append(carry_over(resample(take.motion, settings.fps), skeleton))
+    standing = standing_head_height(*motions)
+    for i, (take, motion) in enumerate(zip(takes, motions, strict=True)):
+        yield 0.2 + 0.75 * i / len(takes), f"Features of {take.name}"
         edits = edits_of(take, contact_edits)
         for clip in _clips(take, motion, exclude, skipped):
             part = cut(motion, clip.start, clip.stop)
-            pieces.append(_piece(clip, part, settings, edits))
+            contacts = edit_contacts(detect_contacts(part, settings), edits, motion.fps, clip.start)
+            part = at_body_height(part, contacts, settings.body_height, standing)
+            pieces.append(_piece(clip, part, contacts, settings))
             if settings.mirror:
                 image = carry_over(mirror(part), skeleton)
-                mirrored.append(_piece(replace(clip, mirrored=True), image, settings, edits))
+                mirrored.append(_piece(replace(clip, mirrored=True), image, contacts[:, ::-1], settings))
     pieces += mirrored
     if not pieces:
         raise InputError(f"database {name!r}: nothing to use: {'; '.join(skipped)}")
@@ -111,11 +117,16 @@ def build_database(
         clips=_clip_table(pieces),
         poses=join_poses([piece.poses for piece in pieces]),
         features=features,
-        eye_height=standing_head_height(*motions),
-        height_range=(settings.height_low, settings.height_high),
+        eye_height=standing,
+        height_range=_height_range(settings),
         tags=tuple(tags),
         provenance=_provenance(takes, settings, exclude, contact_edits, skipped),
     )
+
+
+def _height_range(settings: DatabaseSettings) -> tuple[float, float]:
+    said, default = ((item.height_low, item.height_high) for item in (settings, DatabaseSettings()))
+    return usual_height_range(settings.body_height) if said == default else said
 
 
 def _clips(take: Take, motion: Motion, exclude: Sequence[Exclusion], skipped: list[str]) -> list[Clip]:
@@ -137,10 +148,8 @@ def _clips(take: Take, motion: Motion, exclude: Sequence[Exclusion], skipped: li
     return clips
 
 
-def _piece(clip: Clip, motion: Motion, settings: DatabaseSettings, edits: Sequence[ContactEdit]) -> _Piece:
+def _piece(clip: Clip, motion: Motion, contacts: NDArray[np.bool_], settings: DatabaseSettings) -> _Piece:
     positions, yaws = virtual_root(motion, settings.root_smoothing)
-    contacts = detect_contacts(motion, settings)
-    contacts = edit_contacts(contacts, edits, motion.fps, first=clip.start, mirrored=clip.mirrored)
     features, valid = clip_features(motion, positions, yaws)
     return _Piece(clip, clip_poses(motion, positions, yaws, contacts), features, valid)
 

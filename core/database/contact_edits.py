@@ -106,9 +106,7 @@ def edit_contacts(
     contacts: NDArray[np.bool_],
     edits: Sequence[ContactEdit],
     fps: float,
-    *,
     first: int = 0,
-    mirrored: bool = False,
 ) -> NDArray[np.bool_]:
     """Contacts `(T, 2)` with a take's edits put over them.
 
@@ -117,12 +115,11 @@ def edit_contacts(
         edits: of this take, none contradicting another.
         fps: frames per second.
         first: the frame of the take at which `contacts` begin.
-        mirrored: the contacts are of the take's mirror image, where the left foot does what the right one did.
     """
     edited = contacts.copy()
     for edit in edits:
         start, stop = (_frame(seconds, fps, first, len(contacts)) for seconds in (edit.start, edit.stop))
-        edited[start:stop, SIDES.index(edit.side) ^ mirrored] = edit.planted
+        edited[start:stop, SIDES.index(edit.side)] = edit.planted
     return edited
 
 

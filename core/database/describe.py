@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +36,7 @@ def describe_database(database: MotionDatabase) -> dict[str, Any]:
     positions, rotations = _in_root_space(database).forward()
     ratios = _headset_heights(database, positions, rotations) / database.eye_height
     toes = place_toes(database.skeleton, positions, rotations)
+    provenance = {key: _json_or_text(value) for key, value in database.provenance.items()}
     return {
         "name": database.name,
         "frames": len(database),
@@ -44,6 +45,7 @@ def describe_database(database: MotionDatabase) -> dict[str, Any]:
         "found_frames": int(database.features.trajectory_valid.sum()),
         "joints": len(database.skeleton),
         "eye_height_m": round(database.eye_height, 4),
+        "body_height": _body_height(provenance),
         "height_range": list(database.height_range),
         "suggested_height_range": list(_kept_range(ratios)),
         "tags": list(database.tags),
@@ -52,7 +54,7 @@ def describe_database(database: MotionDatabase) -> dict[str, Any]:
         "hips_height_m": _percentiles(database.poses.hips_positions[:, 2]),
         "headset_height_ratio": _percentiles(ratios),
         "feet": _feet(database, toes),
-        "provenance": {key: _json_or_text(value) for key, value in database.provenance.items()},
+        "provenance": provenance,
     }
 
 
@@ -84,6 +86,14 @@ def _kept_range(ratios: Array) -> tuple[float, float]:
     low, high = np.percentile(ratios, [2.0, 98.0])
     low, high = math.floor(low * 100.0) / 100.0, math.ceil(high * 100.0) / 100.0
     return low, max(high, low + 0.01)
+
+
+def _body_height(provenance: dict[str, Any]) -> float:
+    """What the takes were brought to, as a share of standing; 1 where nothing is said."""
+    settings = provenance.get("settings")
+    return (
+        float(cast(dict[str, Any], settings).get("body_height", 1.0)) if isinstance(settings, dict) else 1.0
+    )
 
 
 def _clip(clip: Clip, fps: float) -> dict[str, Any]:

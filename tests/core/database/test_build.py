@@ -10,10 +10,12 @@ import pytest
 from footwork.core import VERSION
 from footwork.core.database.build import build_database
 from footwork.core.database.clips import Exclusion
+from footwork.core.database.describe import headset_heights
 from footwork.core.database.motion_database import MotionDatabase
 from footwork.core.database.sidecar import save_database
 from footwork.core.errors import InputError
 from footwork.core.jobs import run
+from footwork.core.matching.selection import check_databases
 from footwork.core.mocap.demo import demo_motion
 from footwork.core.mocap.edit import cut
 from footwork.core.settings import DatabaseSettings
@@ -202,3 +204,37 @@ def test_deterministic_and_provenance(as_take) -> None:
     (source,) = json.loads(a.provenance["sources"])
     assert (source["sha256"], source["frames"], source["fps"]) == (takes[0].sha256, 1440, 60.0)
     assert a.height_range == (0.5, 2.0)
+
+
+def test_variants_go_with_the_upright_database(as_take) -> None:
+    takes = [as_take(demo_motion(name), name) for name in ("walk", "turn")]
+    upright, crouched, risen = (build(takes, mirror=True, body_height=height) for height in (1.0, 0.7, 1.04))
+    check_databases([upright, crouched, risen])
+    assert (upright.height_range, crouched.height_range, risen.height_range) == (
+        (0.0, 2.0),
+        (0.0, 0.85),
+        (1.02, 2.0),
+    )
+    for variant, share in ((crouched, 0.7), (risen, 1.04)):
+        assert variant.eye_height == upright.eye_height
+        assert json.loads(variant.provenance["settings"])["body_height"] == share
+        np.testing.assert_array_equal(variant.poses.contacts, upright.poses.contacts)
+        heights = [np.median(headset_heights(database)) for database in (upright, variant)]
+        assert heights[1] / heights[0] == pytest.approx(share, abs=0.01)
+    # what a person says of the range counts
+    said = build(takes, body_height=0.7, height_low=0.6, height_high=0.9)
+    assert said.height_range == (0.6, 0.9)
+
+
+def test_a_clip_is_brought_to_a_height_by_its_own_frames(as_take) -> None:
+    """Mirror images and cuts are variants as their clips are."""
+    take = as_take(demo_motion("walk"))
+    whole = build([take], body_height=0.7, mirror=True)
+    half = len(whole) // 2
+    np.testing.assert_allclose(whole.poses.root_yaws[half:], -whole.poses.root_yaws[:half], atol=1e-6)
+    part = build([take], body_height=0.7, exclude=[Exclusion("walk", 0.0, 4.0)])
+    inside = slice(60, 400)
+    shifted = slice(60 + 240, 400 + 240)
+    np.testing.assert_allclose(
+        part.poses.hips_positions[inside, 2], whole.poses.hips_positions[shifted, 2], atol=0.005
+    )

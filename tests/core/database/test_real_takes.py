@@ -107,3 +107,19 @@ def test_two_takes_of_one_body_keep_their_joints(data: Path) -> None:
     values = database.features.values[run_of] * database.features.deviation + database.features.mean
     heights = positions[:, feet, 2]
     np.testing.assert_allclose(values[:, [14, 20]], heights, atol=2e-3)
+
+
+@pytest.mark.parametrize("share", [0.7, 1.04])
+def test_variants_of_a_real_walk(data: Path, walk: MotionDatabase, share: float) -> None:
+    variant = build([data / "takes" / "xsens" / "100STYLE_Neutral_FW.bvh"], body_height=share)
+    np.testing.assert_array_equal(variant.poses.contacts, walk.poses.contacts)
+    upright, other = describe_database(walk), describe_database(variant)
+    ratios = [report["headset_height_ratio"]["median"] for report in (upright, other)]
+    assert ratios[1] / ratios[0] == pytest.approx(share, abs=0.01)
+    # feet slide no more, and stand as high
+    assert other["feet"]["foot_skate_cm_s"] == pytest.approx(upright["feet"]["foot_skate_cm_s"], abs=0.1)
+    heights = [report["feet"]["toe_height_m"] for report in (upright, other)]
+    assert heights[1] == pytest.approx(heights[0], abs=1e-3)
+    # nothing turns faster by more than a half
+    fastest = [np.linalg.norm(base.poses.angular_velocities, axis=-1).max() for base in (walk, variant)]
+    assert fastest[1] < 1.5 * fastest[0]
