@@ -253,17 +253,17 @@ def build(options: argparse.Namespace) -> Report:
     for line in report["provenance"]["skipped"]:
         print(f"footwork build-database: left out: {line}", file=sys.stderr)
     say(options, f"{options.output}: {len(database)} frames in {len(database.clips)} clips")
-    return report
-
-
-def info(options: argparse.Namespace) -> Report:
-    """What a database holds."""
     if settings.body_height != 1.0:
         low, high = database.height_range
         say(
             options,
             f"  for headset heights {low:g} to {high:g}; an upright database needs a --height-range beside that",
         )
+    return report
+
+
+def info(options: argparse.Namespace) -> Report:
+    """What a database holds."""
     from ..core.database.describe import describe_database
     from ..core.database.sidecar import load_database
 
@@ -277,13 +277,13 @@ def info(options: argparse.Namespace) -> Report:
         options,
         f"  headset heights  {low:g} to {high:g}; the takes suggest {report['suggested_height_range']}",
     )
+    if report["body_height"] != 1.0:
+        say(options, f"  body height      {report['body_height']:g}")
     say(options, f"  tags             {', '.join(report['tags']) or 'none'}")
     for clip in report["clips"]:
         mirrored = " mirrored" if clip["mirrored"] else ""
         say(options, f"  {clip['seconds']:8.1f} s       {clip['name']}{mirrored}")
     return report
-    if report["body_height"] != 1.0:
-        say(options, f"  body height      {report['body_height']:g}")
 
 
 def train(options: argparse.Namespace) -> Report:

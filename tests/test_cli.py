@@ -199,6 +199,21 @@ def test_contacts_are_set_by_hand(tmp_path: Path, demo: Path, capsys: pytest.Cap
         assert json.loads(json.loads(str(edited["provenance"]))["contacts"]) == texts
 
 
+def test_a_crouch_database_is_made_of_walks(
+    tmp_path: Path, demo: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    target = tmp_path / "crouch.npz"
+    command = ["build-database", str(demo / "walk.bvh"), "-o", str(target), "--body-height"]
+    for height, words in (("0.5", "0.6 to 1.06"), ("1.06", "give 1.05 or less")):
+        assert main([*command, height]) == 2
+        assert words in capsys.readouterr().err.splitlines()[-1]
+    assert not target.exists()
+    assert main([*command, "0.7"]) == 0
+    assert "headset heights 0 to 0.85" in capsys.readouterr().out
+    assert main(["database-info", str(target)]) == 0
+    assert "body height      0.7" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
@@ -236,21 +251,6 @@ def test_a_cancelled_training_says_how_to_go_on(
     command = ["train-predictor", *takes, "-o", str(target), "--kind", "paper", "--iterations", "2"]
 
     def press_ctrl_c(job, at: int):
-def test_a_crouch_database_is_made_of_walks(
-    tmp_path: Path, demo: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    target = tmp_path / "crouch.npz"
-    command = ["build-database", str(demo / "walk.bvh"), "-o", str(target), "--body-height"]
-    for height, words in (("0.5", "0.6 to 1.06"), ("1.06", "give 1.05 or less")):
-        assert main([*command, height]) == 2
-        assert words in capsys.readouterr().err.splitlines()[-1]
-    assert not target.exists()
-    assert main([*command, "0.7"]) == 0
-    assert "headset heights 0 to 0.85" in capsys.readouterr().out
-    assert main(["database-info", str(target)]) == 0
-    assert "body height      0.7" in capsys.readouterr().out
-
-
         for _ in range(at):
             next(job)
         raise KeyboardInterrupt
