@@ -18,9 +18,11 @@ from ..core.mocap.edit import resample
 from ..core.mocap.export import to_bvh
 from ..core.mocap.skeleton import Motion
 from ..core.pipeline import BakeResult
+from ..core.rig.ground import Ground
 from ..core.rig.rig import Rig
 from .action import write_action
 from .armature import armature_to_rig, create_armature, rig_doubts
+from .ground import SURFACES, chosen_ground
 
 RIG_FORMATS = (".blend", ".fbx", ".glb", ".gltf", ".vrm")
 
@@ -52,6 +54,32 @@ class Target:
     def name(self) -> str:
         """Name of the animated armature."""
         return self.object_name
+
+    def ground(self, spec: str) -> Ground:
+        """What is to be stood on, brought into the scene where it is from another file than the rig.
+
+        Args:
+            spec: FILE.blend or FILE.blend:NAME of an object or a collection; everything in the file by default.
+
+        Raises:
+            InputError: the file, or what is named in it, cannot be used.
+        """
+        path, name = split_rig(spec)
+        _check_ground(path)
+        scene = bpy.context.scene
+        if bpy.data.filepath and Path(bpy.data.filepath).resolve() == path.resolve():
+            found = bpy.data.objects.get(name) or bpy.data.collections.get(name)
+            if not name:
+                found = scene.collection
+        else:
+            found = _append(path, name)
+        if found is None:
+            raise InputError(f"{path}: no object or collection {name!r} in it; give one as FILE.blend:NAME")
+        bpy.context.view_layer.update()
+        rig = bpy.data.objects.get(self.object_name) if self.rig else None
+        ground = chosen_ground(scene, [found], rig)
+        assert ground is not None
+        return ground
 
     def write(self, result: BakeResult, recording: str) -> None:
         """Give the rig its action, made first where the file had none, and fit the scene to it."""
@@ -100,6 +128,41 @@ def split_rig(spec: str) -> tuple[Path, str]:
         return Path(spec), ""
     path, _, object_name = spec.rpartition(":")
     return Path(path or spec), object_name if path else ""
+
+
+def _check_ground(path: Path) -> None:
+    if not path.is_file():
+        raise InputError(f"{path}: no such file; give --ground FILE.blend[:NAME]")
+    if path.suffix.lower() != ".blend":
+        raise InputError(f"{path}: cannot read ground from this kind of file; use .blend")
+
+
+def _append(path: Path, name: str) -> bpy.types.Object | bpy.types.Collection | None:
+    """An object or collection of another file, or all its objects, brought into the scene; None if it has none."""
+    into = bpy.context.scene.collection
+    try:
+        with bpy.data.libraries.load(str(path)) as (there, here):
+            if not name:
+                here.objects = list(there.objects)
+            elif name in there.objects:
+                here.objects = [name]
+            elif name in there.collections:
+                here.collections = [name]
+    except OSError as error:
+        raise InputError(f"{path}: Blender cannot read it: {str(error).splitlines()[0]}") from error
+    if here.collections:
+        into.children.link(here.collections[0])
+        return here.collections[0]
+    if not name:
+        all_of_it = bpy.data.collections.new(path.stem)
+        into.children.link(all_of_it)
+        into = all_of_it
+    for obj in here.objects:
+        if obj.type in SURFACES or name:
+            into.objects.link(obj)
+    if name:
+        return here.objects[0] if here.objects else None
+    return into
 
 
 def _load(path: Path) -> None:

@@ -1,4 +1,4 @@
-"""Height and normal of the ground under points, from the meshes of the scene."""
+"""The ground that an avatar stands on: height and normal of the meshes of a scene."""
 
 from __future__ import annotations
 
@@ -11,41 +11,74 @@ from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 from numpy.typing import NDArray
 
+from ..core.errors import InputError
+from ..core.rig.ground import Ground
+
 Array = NDArray[np.floating[Any]]
 
+SURFACES = ("MESH", "CURVE", "SURFACE", "FONT", "META")
+"""Types of objects that can have a surface."""
 
-def ground_heights(
-    points: Array, objects: Iterable[bpy.types.Object], step: float = 1.0
-) -> tuple[Array, Array]:
-    """Height of the ground under points, and its normal.
 
-    The ground is the highest surface that is not more than `step` above a point, so a floor above does not count.
-    Meshes are taken as evaluated at the current frame, with their modifiers.
+def chosen_ground(
+    scene: bpy.types.Scene,
+    chosen: Iterable[bpy.types.Object | bpy.types.Collection | None],
+    rig: bpy.types.Object | None,
+    metres_per_unit: float = 1.0,
+) -> Ground | None:
+    """The ground that objects and collections make; what hangs on the rig is passed over. None where none is chosen.
 
-    Args:
-        points: `(N, 3)` metres in the world.
-        objects: the objects that make the ground; those without a surface are passed over.
-        step: how far above a point the ground may be, metres.
-
-    Returns:
-        heights `(N,)` in metres, NaN where nothing is below, and unit normals `(N, 3)` that point up.
+    Raises:
+        InputError: an object is not in the scene, or there is no surface.
     """
-    heights = np.full(len(points), np.nan)
-    normals = np.tile([0.0, 0.0, 1.0], (len(points), 1))
-    tree = surface_tree(objects)
+    chosen = [one for one in chosen if one is not None]
+    if not chosen:
+        return None
+    objects: dict[str, bpy.types.Object] = {}
+    for one in chosen:
+        if isinstance(one, bpy.types.Object) and one.name not in scene.objects:
+            raise InputError(f"{one.name}: it is not in this scene; pick another ground")
+        found = [one] if isinstance(one, bpy.types.Object) else one.all_objects
+        objects |= {obj.name: obj for obj in found if obj.name in scene.objects and not _hangs_on(obj, rig)}
+    tree, top = _surface_tree(objects.values())
     if tree is None:
+        names = ", ".join(one.name for one in chosen)
+        raise InputError(f"{names}: it has no surface to stand on; pick a mesh or a collection with one")
+    return _ground(tree, top, metres_per_unit)
+
+
+def _ground(tree: BVHTree, top: float, metres_per_unit: float) -> Ground:
+    """The highest surface at each point."""
+
+    def ground(points: Array) -> tuple[Array, Array]:
+        heights = np.full(len(points), np.nan)
+        normals = np.tile([0.0, 0.0, 1.0], (len(points), 1))
+        down = Vector((0.0, 0.0, -1.0))
+        for index, (x, y) in enumerate((points / metres_per_unit).tolist()):
+            place, normal, _, _ = tree.ray_cast(Vector((x, y, top)), down)
+            if place is not None:
+                heights[index] = place.z * metres_per_unit
+                normals[index] = normal if normal.z >= 0.0 else -normal
         return heights, normals
-    down = Vector((0.0, 0.0, -1.0))
-    for index, (x, y, z) in enumerate(points.tolist()):
-        place, normal, _, _ = tree.ray_cast(Vector((x, y, z + step)), down)
-        if place is not None:
-            heights[index] = place.z
-            normals[index] = normal if normal.z >= 0.0 else -normal
-    return heights, normals
+
+    return ground
 
 
-def surface_tree(objects: Iterable[bpy.types.Object]) -> BVHTree | None:
-    """One search tree over the world-space triangles of objects; None where there are none."""
+def _hangs_on(obj: bpy.types.Object, rig: bpy.types.Object | None) -> bool:
+    """Whether an object is the rig, or moved by it."""
+    if rig is None:
+        return False
+    above: bpy.types.Object | None = obj
+    while above is not None:
+        if above == rig or above.find_armature() == rig:
+            return True
+        above = above.parent
+    return False
+
+
+def _surface_tree(objects: Iterable[bpy.types.Object]) -> tuple[BVHTree | None, float]:
+    """One search tree over the triangles of objects in the world as evaluated at the current frame, with their
+    modifiers, None where there are none; and a height above all of it."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
     vertices: list[Array] = []
     triangles: list[NDArray[np.intp]] = []
@@ -68,7 +101,7 @@ def surface_tree(objects: Iterable[bpy.types.Object]) -> BVHTree | None:
             offset += len(mesh.vertices)
         evaluated.to_mesh_clear()
     if not triangles or not sum(map(len, triangles)):
-        return None
-    return BVHTree.FromPolygons(
-        np.concatenate(vertices).tolist(), np.concatenate(triangles).tolist(), all_triangles=True
-    )
+        return None, 0.0
+    places = np.concatenate(vertices)
+    tree = BVHTree.FromPolygons(places.tolist(), np.concatenate(triangles).tolist(), all_triangles=True)
+    return tree, float(places[:, 2].max()) + 1.0

@@ -178,6 +178,11 @@ def _add_bake(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--rig", metavar="FILE[:OBJECT]", help=".blend, .fbx, .glb or .vrm; default: the database's skeleton"
     )
+    sub.add_argument(
+        "--ground",
+        metavar="FILE.blend[:NAME]",
+        help="what the feet stand on: an object or collection of a .blend, or all of it; comes into the output, too",
+    )
     sub.add_argument("-o", "--output", required=True, metavar="OUT.blend", help="the file to write")
     sub.add_argument(
         "--export", action="append", default=[], metavar="FILE", help="also write .fbx, .glb or .bvh"
@@ -356,10 +361,12 @@ def bake(options: argparse.Namespace) -> Report:
     target = files.open_target(options.rig, fps)
     for doubt in target.doubts:
         print(f"{target.name}: doubtful: {doubt}", file=sys.stderr)
-    result = run(bake_job(recording, databases, predict, target.rig, settings, output_fps=fps))
+    ground = target.ground(options.ground) if options.ground else None
+    result = run(bake_job(recording, databases, predict, target.rig, settings, output_fps=fps, ground=ground))
     for kind, path in (
         ("predictor", None if options.predictor == "hmd" else options.predictor),
         ("rig", files.split_rig(options.rig)[0] if options.rig else None),
+        ("ground", files.split_rig(options.ground)[0] if options.ground else None),
     ):
         if path:
             result.report["inputs"].append({"kind": kind, "name": str(path), "sha256": sha256_of(path)})

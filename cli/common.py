@@ -27,6 +27,7 @@ _INPUTS = (
     "database",
     "predictor",
     "rig",
+    "ground",
     "train_on",
     "against",
     "skeleton",

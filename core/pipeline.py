@@ -20,11 +20,12 @@ from .matching.inertialization import assemble
 from .matching.playback import Playback, match
 from .matching.trajectory import make_trajectory
 from .mocap.skeleton import Motion, Skeleton
-from .recording.body import joint_targets, scale
+from .recording.body import joint_targets, raised, scale
 from .recording.recording import Recording
 from .recording.resample import resample
 from .rig.avatar import animate
 from .rig.fit import fit_rig, rig_from_skeleton, to_bone_tracks
+from .rig.ground import Footing, Ground
 from .rig.rig import BoneTracks, Rig
 from .settings import BakeSettings, check
 
@@ -63,6 +64,7 @@ def bake(
     *,
     output_fps: float | None = None,
     truth: Motion | None = None,
+    ground: Ground | None = None,
 ) -> Job[BakeResult]:
     """Animate a rig from a recording.
 
@@ -75,6 +77,7 @@ def bake(
         output_fps: rate of the bone tracks; the databases' rate by default.
         truth: the user's true motion at the databases' rate, in the world of the recording: adds the errors that
             need it and the floors of the others.
+        ground: what the avatar stands on, in metres of the world; None for the recording's flat floor.
 
     Raises:
         InputError: settings out of bounds, no database, databases or rig that do not fit.
@@ -107,7 +110,7 @@ def bake(
     matched = scale_motion(motion, scales.rig / scales.database)
     # the head's own place is no place for hips: with the paper's target they stay where the motion has them
     roots = playback.target_positions * (scales.rig / scales.database) if settings.target == "body" else None
-    avatar = animate(matched, contacts, trackers, fit.skeleton, settings, roots)
+    avatar = animate(matched, contacts, trackers, fit.skeleton, settings, roots, ground)
     clock.lap("rig")
 
     yield 0.9, "Making keys"
@@ -115,6 +118,10 @@ def bake(
     clock.lap("keys")
 
     yield 0.95, "Measuring"
+    doubts = recording.doubts
+    if avatar.footing is not None:
+        trackers = raised(trackers, avatar.footing.lift)
+        doubts += _ground_doubts(avatar.footing, fps)
     yardstick = Yardstick(
         contacts,
         trackers,
@@ -123,14 +130,21 @@ def bake(
         avatar.unreachable,
         scale=scales.rig / scales.database,
         truth=None if truth is None else scale_motion(truth, scales.rig),
+        ground=ground,
     )
     values = yardstick.measure(body_of(avatar.motion))
     clock.lap("measures")
-    report = _report(recording, databases, settings, scales, values, clock)
+    report = _report(replace(recording, doubts=doubts), databases, settings, scales, values, clock)
     times = playback.transitions / fps
-    return BakeResult(
-        rig, tracks, avatar.motion, avatar.contacts, playback, times, report, recording.doubts, yardstick
-    )
+    return BakeResult(rig, tracks, avatar.motion, avatar.contacts, playback, times, report, doubts, yardstick)
+
+
+def _ground_doubts(footing: Footing, fps: float) -> tuple[str, ...]:
+    """What a person should know of the ground, a line each."""
+    seconds = float(footing.bare.sum()) / fps
+    if not seconds:
+        return ()
+    return (f"no ground under the feet for {seconds:.1f} s: there it counts as a floor at height 0",)
 
 
 def _match(

@@ -8,6 +8,7 @@ import bpy
 
 from ..bridge import armature
 from ..bridge.action import check_writable, scene_fps, write_action
+from ..bridge.ground import chosen_ground
 from ..bridge.lookup import find_object, find_scene, metres_per_unit
 from ..bridge.objects import recording_from_objects
 from ..bridge.settings import read_settings
@@ -18,6 +19,7 @@ from ..core.jobs import part
 from ..core.recording.cut import cut
 from ..core.recording.read import read_recording
 from ..core.recording.recording import Recording
+from ..core.rig.ground import Ground
 from ..core.rig.rig import Rig
 from ..core.settings import BakeSettings
 from ..nn import predictor
@@ -43,6 +45,8 @@ class Source:
     predictor: str
     """"SHIPPED", "HEADSET" or a path."""
     rig: Rig | None
+    ground: Ground | None
+    """As it is at the current frame; None for the recording's floor."""
     settings: BakeSettings
     fps: float
 
@@ -130,7 +134,9 @@ def read_source(scene: bpy.types.Scene) -> Source:
         )
     else:
         recording = bpy.path.abspath(footwork.recording_path)
-    rig = None if footwork.rig is None else armature.armature_to_rig(footwork.rig, metres_per_unit(scene))
+    unit = metres_per_unit(scene)
+    rig = None if footwork.rig is None else armature.armature_to_rig(footwork.rig, unit)
+    ground = chosen_ground(scene, (footwork.ground, footwork.ground_collection), footwork.rig, unit)
     path = bpy.path.abspath(footwork.predictor_path)
     return Source(
         recording=recording,
@@ -143,6 +149,7 @@ def read_source(scene: bpy.types.Scene) -> Source:
         ),
         predictor=path if footwork.predictor == "FILE" else footwork.predictor,
         rig=rig,
+        ground=ground,
         settings=read_settings(footwork.bake, BakeSettings),
         fps=scene_fps(scene),
     )
@@ -164,6 +171,7 @@ def _bake(source: Source):
         source.rig,
         source.settings,
         output_fps=source.fps,
+        ground=source.ground,
     )
     return (yield from part(job, 0.05, 1.0))
 

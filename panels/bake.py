@@ -45,6 +45,10 @@ class FOOTWORK_PT_bake(Part, bpy.types.Panel):
         for name in FITTING_SETTINGS:
             if name in known:
                 grid.prop(settings, name)
+        column = layout.column()
+        column.use_property_split = True
+        column.prop(footwork, "ground")
+        column.prop(footwork, "ground_collection")
         header, body = layout.panel("FOOTWORK_bake_advanced", default_closed=True)
         header.label(text="Advanced")
         if body:

@@ -12,6 +12,7 @@ from bpy.props import (
 )
 
 from ..bridge import armature
+from ..bridge.ground import SURFACES
 from ..core.mocap.skeleton import ROLES
 from ..core.settings import BakeSettings, DatabaseSettings
 from ..nn.settings import TrainSettings
@@ -105,6 +106,11 @@ class FOOTWORK_PG_figure(bpy.types.PropertyGroup):
 def is_armature(self: bpy.types.PropertyGroup, obj: bpy.types.Object) -> bool:
     """Only armatures may be picked as rig."""
     return obj.type == "ARMATURE"
+
+
+def has_surface(self: bpy.types.PropertyGroup, obj: bpy.types.Object) -> bool:
+    """Only objects with a surface may be picked as ground."""
+    return obj.type in SURFACES
 
 
 def forget_recording(self: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
@@ -220,6 +226,19 @@ class FOOTWORK_PG_scene(bpy.types.PropertyGroup):
         description="Armature to animate; empty to make one with the database's proportions",
         type=bpy.types.Object,
         poll=is_armature,
+    )
+    ground: PointerProperty(
+        name="Ground",
+        description="Mesh that the feet stand on, as it is at the current frame; its highest surface counts, so no "
+        "roof may be part of it. Empty for the recording's level floor",
+        type=bpy.types.Object,
+        poll=has_surface,
+    )
+    ground_collection: PointerProperty(
+        name="Ground Collection",
+        description="Meshes that the feet stand on, such as terrain, kerbs and stairs, as they are at the current "
+        "frame; the highest surface counts, so no roof may be part of it. The rig and its clothes may be",
+        type=bpy.types.Collection,
     )
     bake: PointerProperty(type=FOOTWORK_PG_bake_settings)
     action_name: StringProperty(

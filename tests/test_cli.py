@@ -168,6 +168,43 @@ def test_bake_with_a_bad_rig_writes_nothing(tmp_path: Path, walk: Path, visit: P
     assert [path.name for path in tmp_path.iterdir()] == ["rig.fbx"]
 
 
+def test_bake_stands_on_the_ground_of_a_blend(tmp_path: Path, walk: Path, visit: Path) -> None:
+    scene = tmp_path / "set.blend"
+    make = (
+        "import bpy, sys; bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True);"
+        "bpy.ops.mesh.primitive_plane_add(size=40, location=(0, 0, 0.7)); bpy.context.object.name = 'Stage';"
+        "bpy.ops.object.empty_add(); bpy.ops.wm.save_as_mainfile(filepath=sys.argv[1])"
+    )
+    subprocess.run([sys.executable, "-c", make, str(scene)], check=True, capture_output=True, timeout=300)
+    report = tmp_path / "report.json"
+
+    def bake(ground: str, *more: str) -> subprocess.CompletedProcess[str]:
+        command = [sys.executable, "-m", "footwork", "bake", str(visit), "--database", str(walk), "--to", "4"]
+        command += ["--ground", ground, "-o", str(tmp_path / "baked.blend"), *more]
+        return subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+
+    for spec, fault in (
+        (f"{scene}:Floor", "no object or collection 'Floor' in it"),
+        (f"{scene}:Empty", "Empty: it has no surface to stand on"),
+        (f"{tmp_path / 'gone.blend'}:Stage", "no such file"),
+    ):
+        done = bake(spec)
+        assert done.returncode == 2 and fault in done.stderr and len(done.stderr.splitlines()) == 1
+    assert not (tmp_path / "baked.blend").exists()
+    done = bake(f"{scene}:Stage", "--json", str(report))
+    assert done.returncode == 0, done.stderr
+    assert "ground" in [row["kind"] for row in json.loads(report.read_text())["inputs"]]
+    look = (
+        "import bpy, sys; bpy.ops.wm.open_mainfile(filepath=sys.argv[1]);"
+        "rig = next(obj for obj in bpy.context.scene.objects if obj.type == 'ARMATURE');"
+        "print('toe', min((rig.matrix_world @ bone.head).z for bone in rig.pose.bones), 'Stage' in bpy.data.objects)"
+    )
+    command = [sys.executable, "-c", look, str(tmp_path / "baked.blend")]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=300)
+    _, toe, stage = next(line for line in done.stdout.splitlines() if line.startswith("toe")).split()
+    assert 0.7 < float(toe) < 0.75 and stage == "True"
+
+
 def test_same_inputs_give_the_same_bytes(tmp_path: Path, demo: Path) -> None:
     targets = [tmp_path / "a" / "db.npz", tmp_path / "b" / "db.npz"]
     for target in targets:

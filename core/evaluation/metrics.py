@@ -20,6 +20,7 @@ from ..maths import quat
 from ..mocap.skeleton import LEG, SIDES, Motion, Skeleton
 from ..recording.body import joint_targets
 from ..recording.recording import TRACKER_ROLES, Recording
+from ..rig.ground import Ground, surface
 from . import measures
 from .catalogue import METRICS
 from .measures import Array, Flags, counted, summary
@@ -95,6 +96,8 @@ class Yardstick:
     """The avatar's metres over the databases'."""
     truth: Motion | None = None
     """The user's true motion at the motion's rate and on the avatar's scale."""
+    ground: Ground | None = None
+    """What the avatar stands on; None for a floor at height 0, on which the true motion is in any case."""
 
     def measure(self, body: Body) -> Values:
         """Everything on one body.
@@ -106,7 +109,7 @@ class Yardstick:
         targets = self.playback.target_positions * self.scale
         head = joint_targets(self.trackers)[0][:, 0, :2]
         errors = [_root_values(b, targets, head, self) for b in (body, user) if b is not None]
-        feet = [_foot_values(body, self.contacts)]
+        feet = [_foot_values(body, self.contacts, self.ground)]
         if user is not None:
             feet.append(_foot_values(user, _true_contacts(user)))
         return Values(
@@ -196,15 +199,15 @@ def _true_contacts(user: Body) -> Flags:
     return find_contacts(place_toes(user.skeleton, user.positions, user.rotations), user.fps)
 
 
-def _foot_values(body: Body, contacts: Flags) -> dict[str, Array]:
+def _foot_values(body: Body, contacts: Flags, ground: Ground | None = None) -> dict[str, Array]:
     """Skating by its four definitions, floating, sinking, penetration, jitter."""
     joints, offsets = toe_places(body.skeleton)
     rest = body.skeleton.tpose_positions()[joints]
     toes = _points(body, joints, offsets)
-    heights = toes[..., 2] - (rest + offsets)[:, 2]
+    heights = _heights(toes, ground) - (rest + offsets)[:, 2]
     # a point below the floor in T-pose, inside the shoe's sole, is measured from there
     depths = [
-        np.minimum((rest + tips)[:, 2], 0.0) - _points(body, joints, tips)[..., 2]
+        np.minimum((rest + tips)[:, 2], 0.0) - _heights(_points(body, joints, tips), ground)
         for tips in (offsets, body.skeleton.tips[joints])
     ]
     return {
@@ -217,6 +220,14 @@ def _foot_values(body: Body, contacts: Flags) -> dict[str, Array]:
         "penetration_cm": np.maximum(np.maximum(*depths), 0.0) * _CM,
         "jitter": measures.jitter(body.positions, body.fps),
     }
+
+
+def _heights(points: Array, ground: Ground | None) -> Array:
+    """Heights `(T, N)` of points over the floor, or over the plane of the ground under each."""
+    if ground is None:
+        return points[..., 2]
+    heights, normals = surface(ground, points[..., :2])
+    return (points[..., 2] - heights) * normals[..., 2]
 
 
 def _points(body: Body, joints: NDArray[np.intp], offsets: Array) -> Array:

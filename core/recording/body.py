@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from ..maths import quat
 from .recording import Array, Mounts, Recording
 
@@ -31,3 +33,9 @@ def scale(recording: Recording, factor: float) -> Recording:
         eye_height=recording.eye_height * factor,
         mounts=mounts,
     )
+
+
+def raised(recording: Recording, lift: Array) -> Recording:
+    """The recording of a body that is `lift` `(T,)` metres higher."""
+    up = np.multiply.outer(lift, np.array([0.0, 0.0, 1.0]))
+    return replace(recording, positions=recording.positions + up[:, None])

@@ -14,6 +14,7 @@ from ..recording.recording import Recording
 from ..settings import BakeSettings
 from .arms import reach_hands
 from .feet import place_feet, plan_feet
+from .ground import Footing, Ground, stand
 from .head import place_head
 from .retarget import retarget
 
@@ -36,6 +37,8 @@ class AvatarResult:
     """`(T, 3, 4)` their world rotations since T-pose."""
     valid: NDArray[np.bool_]
     """`(T, 3)` whether each was tracked."""
+    footing: Footing | None = None
+    """What a scene's ground does to the body; None on a flat floor."""
 
 
 def animate(
@@ -45,6 +48,7 @@ def animate(
     skeleton: Skeleton,
     settings: BakeSettings,
     roots: Array | None = None,
+    ground: Ground | None = None,
 ) -> AvatarResult:
     """Bring a matched motion onto a skeleton, its head and hands to the trackers, its feet to the floor.
 
@@ -55,6 +59,8 @@ def animate(
         skeleton: the rig's.
         settings: `head`, `arms`, `foot_lock`, `unlock_distance` and `halflife` are used.
         roots: `(T, 2)` where on the ground the hips should be, metres; None leaves that to the motion.
+        ground: what the feet stand on, in the recording's world; head and hands go up and down with the body.
+            None for a flat floor.
     """
     targets, rotations = joint_targets(recording)
     body = retarget(motion, skeleton)
@@ -65,9 +71,14 @@ def animate(
         steps = replace(steps, positions=steps.positions + np.pad(moved, ((0, 0), (0, 1))))
     held = contacts if settings.foot_lock else np.zeros_like(contacts)
     plan = plan_feet(steps, held, settings.unlock_distance, settings.halflife, body)
+    standing = plan.contacts if settings.foot_lock else contacts
+    footing = None
+    if ground is not None:
+        plan, footing = stand(body, plan, standing, ground)
+        up = footing.lift[:, None] * np.array([0.0, 0.0, 1.0])
+        targets, body = targets + up[:, None], replace(body, positions=body.positions + up)
     body = place_feet(body, plan)
     unreachable = np.zeros(contacts.shape, np.bool_)
     if settings.arms:
         body, unreachable = reach_hands(body, targets[:, 1:], rotations[:, 1:], recording.valid[:, 1:])
-    standing = plan.contacts if settings.foot_lock else contacts
-    return AvatarResult(body, standing, unreachable, targets, rotations, recording.valid)
+    return AvatarResult(body, standing, unreachable, targets, rotations, recording.valid, footing)

@@ -34,7 +34,7 @@ _FREE_S = 0.2
 """Seconds after a foot leaves the floor, and before it is back, in which both begin and end."""
 _TIP = 0.5
 """Length of a toe whose end is unknown, as a share of the way over the ground from ankle to toe joint."""
-_FORWARD = np.array([0.0, 1.0, 0.0])
+_FORWARD, _UP = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,6 +47,10 @@ class FootPlan:
     """`(T, 2, 4)` world rotations of the foot joints before heels rise to reach them."""
     contacts: NDArray[np.bool_]
     """`(T, 2)` frames in which the toe stands still."""
+    heights: Array | None = None
+    """`(T, 2)` metres by which the ground of a scene is above the floor under each foot; None for a flat floor."""
+    tilts: Array | None = None
+    """`(T, 2, 4)` its slope there: rotations from upright."""
 
 
 def plan_feet(
@@ -70,7 +74,7 @@ def plan_feet(
         body: the motion whose hips the legs will hang from; `motion` by default.
     """
     skeleton = motion.skeleton
-    legs = [_Leg(skeleton, side) for side in range(2)]
+    legs = leg_joints(skeleton)
     body = motion if body is None else body
     hips = world_positions(body, world_rotations(body, [leg.thigh for leg in legs]))
     rotations = world_rotations(motion, [leg.end for leg in legs])
@@ -104,17 +108,27 @@ def place_feet(motion: Motion, plan: FootPlan) -> Motion:
 
     A foot keeps its orientation but for two things: its heel does not sink into the floor, and it rises
     where the leg would be too short. A toe bends where its tip would sink into the floor. A leg that is
-    still too short is straight towards the toe.
+    still too short is straight towards the toe. On the ground of a scene all this is done as if upright was
+    across the slope, the toe as high over the slope as the plan has it over the floor.
     """
-    legs = [_Leg(motion.skeleton, side) for side in range(2)]
+    legs = leg_joints(motion.skeleton)
     rotations = world_rotations(motion, [leg.end for leg in legs])
     positions = world_positions(motion, rotations)
     wanted: dict[int, Array] = {}
     for side, leg in enumerate(legs):
         toes, hips = plan.toes[:, side], positions[leg.thigh]
-        foot = plan.rotations[:, side]
+        over, upright = toes, hips
+        if plan.heights is not None and plan.tilts is not None:
+            toes = toes + plan.heights[:, side, None] * _UP
+            upright = over + quat.rotate(quat.conjugate(plan.tilts[:, side]), hips - toes)
         own = norm(positions[leg.foot] - hips)
-        foot = heel.raise_heel(foot, leg.to_toe, leg.height, toes, hips, leg.length, own, motion.fps)
+        foot = heel.raise_heel(
+            plan.rotations[:, side], leg.to_toe, leg.height, over, upright, leg.length, own, motion.fps
+        )
+        bent = quat.multiply(quat.conjugate(rotations[leg.foot]), rotations[leg.end])
+        tip = heel.raise_tip(quat.multiply(foot, bent), leg.tip, over[:, 2], leg.height)
+        if plan.tilts is not None:
+            foot, tip = (quat.multiply(plan.tilts[:, side], turn) for turn in (foot, tip))
         ankles = toes - quat.rotate(foot, leg.to_toe)
         limb = np.stack([hips, positions[leg.shin], positions[leg.foot]], axis=1)
         bend = two_bone.bend_direction(limb, quat.rotate(rotations[leg.shin], _FORWARD), _SOFT_KNEE)
@@ -123,12 +137,11 @@ def place_feet(motion: Motion, plan: FootPlan) -> Motion:
         bones, _ = two_bone.reach(limb, bones, ankles, bend, aim)
         wanted |= {leg.thigh: bones[:, 0], leg.shin: bones[:, 1], leg.foot: foot}
         if leg.end != leg.foot:
-            bent = quat.multiply(quat.conjugate(rotations[leg.foot]), rotations[leg.end])
-            wanted[leg.end] = heel.raise_tip(quat.multiply(foot, bent), leg.tip, toes[:, 2], leg.height)
+            wanted[leg.end] = tip
     return with_world_rotations(motion, wanted)
 
 
-class _Leg:
+class Leg:
     """Joints and measures of a leg in T-pose, metres."""
 
     def __init__(self, skeleton: Skeleton, side: int) -> None:
@@ -144,9 +157,18 @@ class _Leg:
         self.length = float(np.linalg.norm(np.diff(standing[parts], axis=0), axis=-1).sum())
         tip = skeleton.tips[self.end]
         self.tip = tip if np.linalg.norm(tip) > 5e-3 else _TIP * self.to_toe[1] * _FORWARD
+        self.to_tip = self.tip if self.end != self.foot else np.zeros(3)
+        """From the toe to the end of the foot, as far as joints tell."""
+        self.heel = np.array([0.0, -heel.heel_behind(self.to_toe), -self.height])
+        """From the toe to where the heel is on the floor."""
 
 
-def _within_reach(found: list[locks.Lock], pitch: heel.Pitch, hips: Array, leg: _Leg) -> list[locks.Lock]:
+def leg_joints(skeleton: Skeleton) -> list[Leg]:
+    """The left and the right leg."""
+    return [Leg(skeleton, side) for side in range(2)]
+
+
+def _within_reach(found: list[locks.Lock], pitch: heel.Pitch, hips: Array, leg: Leg) -> list[locks.Lock]:
     """The locks, moved over the ground towards the body until the leg reaches them through the whole contact."""
     if not found:
         return found
@@ -187,14 +209,14 @@ def _freedom(held: NDArray[np.bool_], blend: float) -> Array:
     return t * t * (3.0 - 2.0 * t) * (ramp / blend)
 
 
-def _pull(path: Array, pitch: heel.Pitch, hips: Array, leg: _Leg) -> Array:
+def _pull(path: Array, pitch: heel.Pitch, hips: Array, leg: Leg) -> Array:
     """What brings a toe in the air within the leg's reach `(T, 3)`, straight towards the thigh."""
     excess = pitch.nearest(hips, path) - heel.longest(leg.length)
     excess = 0.5 * (excess + np.sqrt(excess**2 + _SOFT_PULL**2))
     return unit(hips - path) * excess[:, None]
 
 
-def _loads(hips: Mapping[int, Array], toes: Sequence[Array], legs: Sequence[_Leg]) -> Array:
+def _loads(hips: Mapping[int, Array], toes: Sequence[Array], legs: Sequence[Leg]) -> Array:
     """Share of the weight on each foot `(T, 2)`, by where the pelvis is between the toes."""
     pelvis = 0.5 * (hips[legs[0].thigh] + hips[legs[1].thigh])
     across = level(toes[1] - toes[0])

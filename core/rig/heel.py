@@ -105,6 +105,11 @@ def pitch_of(rotations: Array, foot_to_toe: Array) -> Pitch:
     return Pitch(back, right, np.arctan2(away[:, 2], behind), np.hypot(behind, away[:, 2]), dot(away, right))
 
 
+def relaxed(length: float) -> float:
+    """How far the ankle of a leg of a length in metres may be from the thigh joint where the motion's is nearer."""
+    return _RELAXED * length
+
+
 def longest(length: float) -> float:
     """How far an ankle may be from the thigh joint, of a leg's length in metres."""
     return _STRAIGHT * length
@@ -143,7 +148,7 @@ def raise_heel(
     reaching = np.where(past > 0.0, pitch.reaching(hips, toes, bearable), pitch.angle)
     reaching = np.minimum(reaching, np.maximum(pitch.angle, _STEEPEST))
     wanted = np.maximum(_least_pitch(foot_to_toe, rest_height, toes[:, 2]), reaching)
-    lift = _smooth_peaks(np.maximum(wanted - pitch.angle, 0.0), fps)
+    lift = smooth_peaks(np.maximum(wanted - pitch.angle, 0.0), _PEAK_S * fps)
     return quat.multiply(quat.from_rotation_vector(-pitch.right * lift[:, None]), rotations)
 
 
@@ -166,17 +171,26 @@ def raise_tip(rotations: Array, tip: Array, heights: Array, rest_height: float) 
     return quat.multiply(quat.from_rotation_vector(right * lift[:, None]), rotations)
 
 
+def heel_behind(foot_to_toe: Array) -> float:
+    """Metres over the ground from the toe back to the heel in T-pose."""
+    return _HEEL * float(foot_to_toe[1])
+
+
 def _least_pitch(foot_to_toe: Array, rest_height: float, heights: Array) -> Array:
     """Least angle `(T,)` from toe to ankle at which the heel, on the floor in T-pose, is not below it."""
     _, back, up = foot_to_toe
-    reach = _HEEL * back
+    reach = heel_behind(foot_to_toe)
     sine = np.clip(-heights / max(float(np.hypot(reach, rest_height)), 1e-9), -1.0, 1.0)
     return np.arctan2(-up, back) + np.arcsin(sine) + np.arctan2(rest_height, reach)
 
 
-def _smooth_peaks(values: Array, fps: float) -> Array:
-    """A smooth curve `(T,)` on or above non-negative `values`, which rises before and falls after them."""
-    sigma = _PEAK_S * fps
+def smooth_peaks(values: Array, sigma: float) -> Array:
+    """A smooth curve `(T,)` on or above non-negative `values`, which rises before and falls after them.
+
+    Args:
+        values: `(T,)`.
+        sigma: standard deviation of the smoothing in frames.
+    """
     half = int(np.ceil(4.0 * sigma))
     if not values.any():
         return values
