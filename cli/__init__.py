@@ -37,6 +37,8 @@ from .common import (
 )
 
 DONE, BUG, BAD_INPUT, LIMIT = 0, 1, 2, 3
+LOST = {"none": (), "left": ("left",), "right": ("right",), "both": ("left", "right")}
+"""What `--lost` says, as names of trackers."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -122,6 +124,9 @@ def make_parser() -> argparse.ArgumentParser:
         action="append",
         metavar="P.npz",
         help="weights; may be repeated (default: everything that ships)",
+    )
+    sub.add_argument(
+        "--lost", choices=LOST, default="none", help="controllers that sleep all the time (default: none)"
     )
     sub.add_argument(
         "--plot", metavar="FILE.png", help="draw the errors: by minute, and how often they are small"
@@ -314,7 +319,7 @@ def evaluate_predictor(options: argparse.Namespace) -> Report:
         predictors = dict(zip(names, each(paths, load_predictor), strict=True))
     else:
         predictors = shipped_predictors()
-    report = evaluate_predictors(load_takes(options.takes), predictors)
+    report = evaluate_predictors(load_takes(options.takes), predictors, LOST[options.lost])
     say(options, errors_in_words(report))
     if figures is not None:
         write_atomically(options.plot, lambda file: file.write(figures.draw_predictors(report)))

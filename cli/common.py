@@ -215,10 +215,10 @@ def load_databases(paths: Sequence[str]) -> list[Any]:
 
 
 def choose_predictor(name: str | None) -> Callable[[Any], Any]:
-    """The function from recording to body yaws that `--predictor` names; what ships by default."""
-    from ..nn.predictor import hmd_forward, load_predictor, predict_yaw, shipped_predictor
+    """The function from recording to body orientation that `--predictor` names; what ships by default."""
+    from ..nn.predictor import hmd_forward, load_predictor, predict, shipped_predictor
 
     if name == "hmd":
         return hmd_forward
     predictor = load_predictor(name) if name else shipped_predictor()
-    return lambda recording: predict_yaw(predictor, recording)
+    return lambda recording: predict(predictor, recording)

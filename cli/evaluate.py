@@ -175,7 +175,7 @@ def compared_predictors(
 ) -> tuple[dict[str, Any], dict[str, frozenset[str]]]:
     """The predictors of the experiment orientation by label, and the takes that each was trained on."""
     from ..core.evaluation.experiments_body import HMD
-    from ..nn.predictor import hmd_forward, load_predictor, predict_yaw, shipped_predictors
+    from ..nn.predictor import hmd_forward, load_predictor, predict, shipped_predictors
 
     given = [path for path in options.predictor if path != "hmd"]
     loaded = list(zip([Path(p).stem for p in given], cli.each(given, load_predictor), strict=True))
@@ -193,7 +193,7 @@ def compared_predictors(
         if predictor.layout is None:
             label = f"r = {predictor.provenance.get('settings', {}).get('iterations', '?')}"
         label = f"{label} ({name})" if label in ways else label
-        ways[label] = lambda recording, chosen=predictor: predict_yaw(chosen, recording)
+        ways[label] = lambda recording, chosen=predictor: predict(chosen, recording)
         trained[label] = frozenset(take["sha256"] for take in predictor.provenance.get("takes", []))
     return ways, trained
 

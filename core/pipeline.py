@@ -21,6 +21,7 @@ from .matching.playback import Playback, match
 from .matching.trajectory import make_trajectory
 from .mocap.skeleton import Motion, Skeleton
 from .recording.body import joint_targets, raised, scale
+from .recording.orientation import Orientation, orientation_doubts
 from .recording.recording import Recording
 from .recording.resample import resample
 from .rig.avatar import animate
@@ -58,7 +59,7 @@ class BakeResult:
 def bake(
     recording: Recording,
     databases: Sequence[MotionDatabase],
-    predict: Callable[[Recording], Array],
+    predict: Callable[[Recording], Orientation],
     rig: Rig | None,
     settings: BakeSettings,
     *,
@@ -71,7 +72,7 @@ def bake(
     Args:
         recording: the three trackers, at any rate.
         databases: one or more motion databases; the first gives the skeleton and the rate.
-        predict: body yaws `(T,)` in radians of a recording at the databases' rate.
+        predict: body orientation of a recording at the databases' rate.
         rig: the rig to animate; None makes one from the first database's skeleton.
         settings: every control.
         output_fps: rate of the bone tracks; the databases' rate by default.
@@ -92,7 +93,8 @@ def bake(
     recording = resample(recording, fps)
 
     yield 0.02, "Predicting body orientation"
-    yaws = predict(recording)
+    orientation = predict(recording)
+    yaws = orientation.yaws
     clock.lap("orientation")
 
     scales = _scales(recording, databases, fit.skeleton, settings)
@@ -118,7 +120,7 @@ def bake(
     clock.lap("keys")
 
     yield 0.95, "Measuring"
-    doubts = recording.doubts
+    doubts = recording.doubts + orientation_doubts(orientation, fps)
     if avatar.footing is not None:
         trackers = raised(trackers, avatar.footing.lift)
         doubts += _ground_doubts(avatar.footing, fps)
@@ -131,10 +133,11 @@ def bake(
         scale=scales.rig / scales.database,
         truth=None if truth is None else scale_motion(truth, scales.rig),
         ground=ground,
+        doubt=orientation.doubt,
     )
     values = yardstick.measure(body_of(avatar.motion))
     clock.lap("measures")
-    report = _report(replace(recording, doubts=doubts), databases, settings, scales, values, clock)
+    report = _report(recording, databases, settings, scales, values, doubts, clock)
     times = playback.transitions / fps
     return BakeResult(rig, tracks, avatar.motion, avatar.contacts, playback, times, report, doubts, yardstick)
 
@@ -170,6 +173,7 @@ def _report(
     settings: BakeSettings,
     scales: _Scales,
     values: Values,
+    doubts: Sequence[str],
     clock: _Clock,
 ) -> dict[str, Any]:
     """What a bake tells of itself."""
@@ -184,7 +188,7 @@ def _report(
         "settings": asdict(settings),
         "inputs": inputs,
         "scale": {"user_to_rig": scales.rig, "user_to_database": scales.database},
-        "warnings": list(recording.doubts),
+        "warnings": list(doubts),
     }
 
 

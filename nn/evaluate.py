@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,10 +12,11 @@ from ..core.database.virtual_root import virtual_root
 from ..core.maths import angles
 from ..core.mocap.skeleton import Take
 from ..core.recording.body import joint_targets
+from ..core.recording.orientation import Orientation
 from ..core.recording.recording import Recording
-from ..core.recording.simulate import simulate_recording
+from ..core.recording.simulate import lose_trackers, simulate_recording
 from .inputs import headings
-from .predictor import hmd_forward, predict_yaw
+from .predictor import hmd_forward, predict
 from .weights import Predictor
 
 Array = NDArray[np.floating[Any]]
@@ -26,8 +27,8 @@ POOL_RATE = 30.0
 """Errors of a second that count where takes are pooled, whatever their frame rate."""
 
 
-def hands_and_head(recording: Recording) -> Array:
-    """A guess without training, yaw `(T,)` in radians: half the headset's forward, half square to the line
+def hands_and_head(recording: Recording) -> Orientation:
+    """A guess without training: half the headset's forward, half square to the line
     of the hands.
 
     The line counts by its length, up to shoulder width, and only while the hands are on their own sides of
@@ -40,7 +41,7 @@ def hands_and_head(recording: Recording) -> Array:
         np.linalg.norm(line, axis=-1, keepdims=True), 0.4
     )
     agrees = np.sum(ahead * head, axis=-1, keepdims=True) > 0.0
-    return np.unwrap(angles.yaw_of(head + np.where(agrees, ahead, 0.0)))
+    return Orientation(np.unwrap(angles.yaw_of(head + np.where(agrees, ahead, 0.0))), None)
 
 
 def yaw_errors(yaws: Array, truth: Array) -> Array:
@@ -62,36 +63,46 @@ def summary(errors: Array, fps: float) -> dict[str, Any]:
     }
 
 
-def evaluate_predictors(takes: Sequence[Take], predictors: Mapping[str, Predictor]) -> dict[str, Any]:
+def evaluate_predictors(
+    takes: Sequence[Take], predictors: Mapping[str, Predictor], lost: Collection[str] = ()
+) -> dict[str, Any]:
     """Errors of each predictor on trackers simulated from takes, beside the headset's forward and a
     heuristic.
 
     Args:
         takes: each is the user once; a second of any take weighs the same.
         predictors: by name.
+        lost: "left", "right" or both: controllers that sleep all the time.
 
     Returns:
-        `{"predictors": {name: {"mean", "std", "p95", "per_minute", "percentiles", "causal"}},
+        `{"predictors": {name: {"mean", "std", "p95", "per_minute", "percentiles", "causal", "doubt"}},
         "takes": [{"take", "seconds", "predictors": {name: {"mean", "std", "p95", "per_minute"}}}]}`,
         degrees, ready for JSON. Under `predictors` the takes follow one another; `percentiles` are the 0th to
-        the 100th.
+        the 100th; `doubt` is the mean deviation that the predictor itself expects, None where it has no notion of it.
     """
-    ways: dict[str, Callable[[Recording], Array]] = {HMD_FORWARD: hmd_forward, HEURISTIC: hands_and_head}
+    ways: dict[str, Callable[[Recording], Orientation]] = {
+        HMD_FORWARD: hmd_forward,
+        HEURISTIC: hands_and_head,
+    }
     for name, predictor in predictors.items():
-        ways[name] = lambda recording, chosen=predictor: predict_yaw(chosen, recording)
+        ways[name] = lambda recording, chosen=predictor: predict(chosen, recording)
     pooled: dict[str, list[Array]] = {name: [] for name in ways}
+    doubts: dict[str, list[Array]] = {name: [] for name in ways}
     table: list[dict[str, Any]] = []
     for take in takes:
         motion = take.motion
-        recording = simulate_recording(motion, take.name)
+        recording = lose_trackers(simulate_recording(motion, take.name), lost)
         _, truth = virtual_root(motion)
         row: dict[str, Any] = {}
         for name, way in ways.items():
-            errors = yaw_errors(way(recording), truth)
+            found = way(recording)
+            errors = yaw_errors(found.yaws, truth)
             row[name] = summary(errors, motion.fps)
             # every take at the same rate, so that a fast camera does not count double
             frames = np.arange(0.0, len(errors), motion.fps / POOL_RATE).astype(np.intp)
             pooled[name].append(errors[frames])
+            if found.doubt is not None:
+                doubts[name].append(np.degrees(found.doubt[frames]))
         table.append({"take": take.name, "seconds": len(motion) / motion.fps, "predictors": row})
     causal = {name: predictor.causal for name, predictor in predictors.items()}
     overall: dict[str, Any] = {}
@@ -101,16 +112,19 @@ def evaluate_predictors(takes: Sequence[Take], predictors: Mapping[str, Predicto
             **summary(errors, POOL_RATE),
             "percentiles": np.percentile(errors, np.arange(101)).tolist(),
             "causal": causal.get(name, True),
+            "doubt": float(np.mean(np.concatenate(doubts[name]))) if doubts[name] else None,
         }
     return {"predictors": overall, "takes": table}
 
 
 def errors_in_words(report: Mapping[str, Any]) -> str:
     """The report of `evaluate_predictors` as a table for people."""
-    lines = [f"{'degrees':24} {'mean':>7} {'std':>7} {'p95':>7}  sees"]
+    lines = [f"{'degrees':24} {'mean':>7} {'std':>7} {'p95':>7} {'doubt':>7}  sees"]
     for name, row in report["predictors"].items():
         sees = "past" if row["causal"] else "past and future"
-        lines.append(f"{name:24} {row['mean']:7.2f} {row['std']:7.2f} {row['p95']:7.2f}  {sees}")
+        doubt = "-" if row["doubt"] is None else f"{row['doubt']:.2f}"
+        figures = " ".join(f"{row[key]:7.2f}" for key in ("mean", "std", "p95"))
+        lines.append(f"{name:24} {figures} {doubt:>7}  {sees}")
     names = list(report["predictors"])
     lines.append("")
     lines.append(f"{'mean by take':40} " + " ".join(f"{name[:14]:>14}" for name in names))

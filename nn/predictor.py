@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..core.maths import angles, filters
 from ..core.recording.body import joint_targets
+from ..core.recording.orientation import Orientation
 from ..core.recording.recording import Recording
 from ..core.recording.resample import resample
 from .inputs import (
@@ -36,16 +36,6 @@ _ASKED = 15.0
 interpolated."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Orientation:
-    """Where the body faces and how sure that is."""
-
-    yaws: Array
-    """`(T,)` world yaw in radians, continuous over time."""
-    doubt: Array
-    """`(T,)` radians: the deviation that the predictor itself expects of its answer."""
-
-
 def load_predictor(path: str | os.PathLike[str]) -> Predictor:
     """Read a predictor's `.npz`; InputError with one line on any fault of the file."""
     return read_predictor(path)
@@ -61,21 +51,15 @@ def shipped_predictors() -> dict[str, Predictor]:
     return {path.stem: read_predictor(path) for path in sorted(_FOLDER.glob("*.npz"))}
 
 
-def hmd_forward(recording: Recording) -> Array:
-    """The yaw `(T,)` in radians of the headset's forward projected on the ground, continuous over time."""
+def hmd_forward(recording: Recording) -> Orientation:
+    """The yaw of the headset's forward projected on the ground, which knows of no doubt."""
     _, rotations = joint_targets(recording)
-    return np.unwrap(headings(rotations))
+    return Orientation(np.unwrap(headings(rotations)), None)
 
 
 def head_height(recording: Recording) -> float:
     """Height of the head joint when the wearer stands upright, metres."""
     return recording.eye_height - float(recording.mounts.offsets[0, 2])
-
-
-def predict_yaw(predictor: Predictor, recording: Recording) -> Array:
-    """The body's world yaw `(T,)` in radians at the frames of an evenly spaced recording, continuous over
-    time."""
-    return predict(predictor, recording).yaws
 
 
 def predict(predictor: Predictor, recording: Recording) -> Orientation:

@@ -180,7 +180,7 @@ def _predict(chosen: str):
     if chosen == "HEADSET":
         return predictor.hmd_forward
     made = predictor.shipped_predictor() if chosen == "SHIPPED" else predictor.load_predictor(chosen)
-    return lambda recording: predictor.predict_yaw(made, recording)
+    return lambda recording: predictor.predict(made, recording)
 
 
 CLASSES = (FOOTWORK_OT_bake,)

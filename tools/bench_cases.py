@@ -175,7 +175,7 @@ def bake(how: str, path: str, user: str, minutes: str, frames: str, bones: str) 
     from footwork.core.recording.simulate import simulate_recording
     from footwork.core.rig.fit import rig_from_skeleton
     from footwork.core.settings import BakeSettings
-    from footwork.nn.predictor import predict_yaw, shipped_predictor
+    from footwork.nn.predictor import predict, shipped_predictor
 
     database = grown(path, int(frames))
     recording = simulate_recording(load_take(user, 60.0).motion, "user")
@@ -194,7 +194,7 @@ def bake(how: str, path: str, user: str, minutes: str, frames: str, bones: str) 
     predictor = shipped_predictor()
     settings = BakeSettings(search=how)
     start = time.process_time()
-    result = jobs.run(bake_job(recording, [database], lambda r: predict_yaw(predictor, r), rig, settings))
+    result = jobs.run(bake_job(recording, [database], lambda r: predict(predictor, r), rig, settings))
     seconds = time.process_time() - start
     laps = {key: value for key, value in result.report["timing_s"].items() if key != "recorded"}
     spent = sum(laps.values())

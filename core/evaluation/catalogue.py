@@ -48,6 +48,9 @@ METRICS: dict[str, Metric] = {
     "orientation_error_deg": Metric(
         "orientation error", "°", "Predicted body orientation to the heading of the true hips"
     ),
+    "orientation_doubt_deg": Metric(
+        "orientation doubt", "°", "Deviation that the predictor itself expects of the body orientation"
+    ),
     "foot_skate_cm_s": Metric(
         "foot skate",
         "cm/s",

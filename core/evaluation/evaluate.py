@@ -15,6 +15,7 @@ from ..database.virtual_root import virtual_root
 from ..jobs import Job, part
 from ..mocap.skeleton import Take
 from ..pipeline import BakeResult, bake
+from ..recording.orientation import Orientation
 from ..recording.recording import Recording
 from ..recording.simulate import simulate_recording
 from ..rig.fit import rig_from_skeleton
@@ -24,7 +25,7 @@ from .metrics import Body, Values, body_of, pool, summarise
 from .series import series
 
 Array = NDArray[np.floating[Any]]
-Predict = Callable[[Recording], Array]
+Predict = Callable[[Recording], Orientation]
 Show = Callable[[BakeResult], tuple[Array, Array]]
 """World positions `(T, J, 3)` in metres and rotations since T-pose `(T, J, 4)` of the rig's joints, as keyed on an
 armature and evaluated by Blender."""
@@ -54,7 +55,7 @@ def evaluate_takes(
     Args:
         takes: the users, at the databases' rate.
         databases: motion databases; no take of a user should be in them.
-        predict: body yaws of a recording; None gives the true ones.
+        predict: body orientation of a recording; None gives the true one.
         settings: every control of the bake.
         show: measure what Blender shows rather than our own result, and say how far the two are apart.
 
@@ -98,12 +99,12 @@ def evaluate_take(
 ) -> Job[Evaluated]:
     """One take as the user; arguments as for `evaluate_takes`."""
     recording = simulate_recording(take.motion, take.name)
-    true_yaws = virtual_root(take.motion, 0.0)[1]
+    true = Orientation(virtual_root(take.motion, 0.0)[1], None)
     rig = rig_from_skeleton(take.motion.skeleton, take.name)
     # the avatar is the user: what is compared with the truth must not be scaled
     settings = replace(settings, scale_to_rig=False)
     result = yield from bake(
-        recording, databases, predict or (lambda _: true_yaws), rig, settings, truth=take.motion
+        recording, databases, predict or (lambda _: true), rig, settings, truth=take.motion
     )
     body = body_of(result.motion)
     report = {"take": take.file, **result.report}

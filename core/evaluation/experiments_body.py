@@ -48,7 +48,7 @@ def orientation(study: Study) -> Job[Experiment]:
         truth = virtual_root(take.motion)[1]
         for j, (label, predict) in enumerate(study.predictors.items()):
             yield (i + j / len(errors)) / len(study.takes), f"Orientation of {take.name}: {label}"
-            errors[label].append(np.degrees(yaw_errors(predict(recording), truth)))
+            errors[label].append(np.degrees(yaw_errors(predict(recording).yaws, truth)))
     rows: list[list[Cell]] = []
     means: dict[str, float] = {}
     for label, parts in errors.items():

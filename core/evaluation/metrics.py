@@ -98,6 +98,8 @@ class Yardstick:
     """The user's true motion at the motion's rate and on the avatar's scale."""
     ground: Ground | None = None
     """What the avatar stands on; None for a floor at height 0, on which the true motion is in any case."""
+    doubt: Array | None = None
+    """`(T,)` radians that the predictor expects its yaws to be off by; None where it has no notion of that."""
 
     def measure(self, body: Body) -> Values:
         """Everything on one body.
@@ -119,6 +121,7 @@ class Yardstick:
                 **_tracking_values(body, self.trackers, self.unreachable),
                 **feet[0],
                 **_playback_values(self, targets, body.fps),
+                **({} if self.doubt is None else {"orientation_doubt_deg": np.degrees(self.doubt)}),
                 **(_truth_values(body, self.playback.target_yaws, user) if user is not None else {}),
             },
             {**errors[1], **feet[1]} if user is not None else {},

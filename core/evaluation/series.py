@@ -19,6 +19,7 @@ SHOWN = (
     "yaw_error_deg",
     "body_yaw_error_deg",
     "orientation_error_deg",
+    "orientation_doubt_deg",
     "foot_skate_cm_s",
     "penetration_cm",
     "head_position_error_cm",

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from dataclasses import replace
+
 import numpy as np
 
 from ..errors import InputError
@@ -9,7 +12,7 @@ from ..maths import quat
 from ..mocap.skeleton import Motion
 from ..mocap.standing import standing_head_height
 from .mounts import SIMULATED_MOUNTS
-from .recording import TRACKER_ROLES, Mounts, Recording
+from .recording import TRACKER_ROLES, TRACKERS, Mounts, Recording
 
 
 def simulate_recording(
@@ -51,3 +54,13 @@ def simulate_recording(
         },
         doubts=(),
     )
+
+
+def lose_trackers(recording: Recording, names: Iterable[str]) -> Recording:
+    """The recording with some of its trackers asleep all the time: not tracked, and lying where they were first."""
+    lost = [TRACKERS.index(name) for name in names]
+    positions, rotations = recording.positions.copy(), recording.rotations.copy()
+    valid = recording.valid.copy()
+    positions[:, lost], rotations[:, lost] = positions[:1, lost], rotations[:1, lost]
+    valid[:, lost] = False
+    return replace(recording, positions=positions, rotations=rotations, valid=valid)

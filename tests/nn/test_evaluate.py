@@ -60,7 +60,7 @@ def test_report_of_a_take():
     report = json.loads(json.dumps(evaluate_predictors([take], predictors)))
     assert list(report["predictors"]) == ["hmd-forward", "hands-and-head", *predictors]
     for name, row in report["predictors"].items():
-        assert set(row) == {"mean", "std", "p95", "per_minute", "percentiles", "causal"}
+        assert set(row) == {"mean", "std", "p95", "per_minute", "percentiles", "causal", "doubt"}
         assert row["causal"] is (name != "look-ahead")
     found = report["takes"][0]["predictors"]["hmd-forward"]["mean"]
     assert found == pytest.approx(looking_aside(motion).mean())
@@ -74,5 +74,18 @@ def test_the_heuristic_is_square_to_the_hands_of_a_body_at_ease():
     recording = simulate_recording(motion, "turn")
     turned = quat.multiply(quat.from_yaw(0.5), recording.rotations[:, 0])
     recording.rotations[:, 0] = turned
-    found, truth = hands_and_head(recording), quat.heading(motion.rotations[:, 0])
+    found, truth = hands_and_head(recording).yaws, quat.heading(motion.rotations[:, 0])
     assert np.mean(yaw_errors(found, truth)) < np.mean(yaw_errors(quat.heading(turned), truth))
+
+
+def test_predictors_are_less_sure_and_err_more_without_controllers():
+    take = Take("walk", "walk.bvh", "0" * 64, demo_motion("walk", seed=6), {}, ())
+    predictors = {"causal": shipped_predictors()["causal"]}
+    rows = [
+        evaluate_predictors([take], predictors, lost)["predictors"]
+        for lost in ((), ("left",), ("left", "right"))
+    ]
+    assert rows[0]["causal"]["doubt"] < rows[1]["causal"]["doubt"] < rows[2]["causal"]["doubt"]
+    assert rows[0]["causal"]["mean"] < rows[2]["causal"]["mean"]
+    # the headset is there all the same, and has no notion of doubt
+    assert len({row["hmd-forward"]["mean"] for row in rows}) == 1 and rows[0]["hmd-forward"]["doubt"] is None

@@ -15,7 +15,7 @@ from footwork.core.recording.resample import resample
 from footwork.core.recording.simulate import simulate_recording
 from footwork.nn.evaluate import yaw_errors
 from footwork.nn.inputs import RATE
-from footwork.nn.predictor import hmd_forward, predict, predict_yaw, run_recurrent, shipped_predictors
+from footwork.nn.predictor import hmd_forward, predict, run_recurrent, shipped_predictors
 
 SHIPPED = shipped_predictors()
 each_shipped = pytest.mark.parametrize("name", SHIPPED)
@@ -43,14 +43,14 @@ def test_hmd_forward_is_where_the_headset_looks():
     _, rotations = motion.forward()
     matrix = quat.to_matrix(rotations[:, motion.skeleton.joint("head")])
     expected = np.arctan2(-matrix[:, 0, 1], matrix[:, 1, 1])
-    np.testing.assert_allclose(angles.wrap(hmd_forward(recording) - expected), 0.0, atol=1e-9)
+    np.testing.assert_allclose(angles.wrap(hmd_forward(recording).yaws - expected), 0.0, atol=1e-9)
 
 
 @each_shipped
 def test_turning_and_moving_the_recording_turns_the_answer(name, body):
     recording, _ = body
-    before = predict_yaw(SHIPPED[name], recording)
-    after = predict_yaw(SHIPPED[name], _turned(recording, 2.5))
+    before = predict(SHIPPED[name], recording).yaws
+    after = predict(SHIPPED[name], _turned(recording, 2.5)).yaws
     np.testing.assert_allclose(angles.wrap(after - before - 2.5), 0.0, atol=2e-3)
 
 
@@ -58,8 +58,8 @@ def test_turning_and_moving_the_recording_turns_the_answer(name, body):
 @pytest.mark.parametrize("factor", [0.85, 1.15])
 def test_the_size_of_the_body_does_not_matter(name, factor, body):
     recording, _ = body
-    before = predict_yaw(SHIPPED[name], recording)
-    after = predict_yaw(SHIPPED[name], scale(recording, factor))
+    before = predict(SHIPPED[name], recording).yaws
+    after = predict(SHIPPED[name], scale(recording, factor)).yaws
     assert np.mean(yaw_errors(after, before)) < 0.5
 
 
@@ -68,22 +68,22 @@ def test_the_size_of_the_body_does_not_matter(name, factor, body):
 def test_the_rate_of_the_recording_does_not_matter(name, fps, body):
     recording, _ = body
     other = resample(recording, fps)
-    slow = np.interp(recording.times, other.times, predict_yaw(SHIPPED[name], other))
-    assert np.mean(yaw_errors(slow, predict_yaw(SHIPPED[name], recording))) < 0.5
+    slow = np.interp(recording.times, other.times, predict(SHIPPED[name], other).yaws)
+    assert np.mean(yaw_errors(slow, predict(SHIPPED[name], recording).yaws)) < 0.5
 
 
 @each_shipped
 def test_mounts_of_other_devices_do_not_matter(name):
     motion = demo_motion("visit", seed=2)
     one, other = simulate_recording(motion, "a"), simulate_recording(motion, "a", mounts=DEVICE_MOUNTS)
-    found = predict_yaw(SHIPPED[name], one), predict_yaw(SHIPPED[name], other)
+    found = predict(SHIPPED[name], one).yaws, predict(SHIPPED[name], other).yaws
     np.testing.assert_allclose(found[0], found[1], atol=1e-4)
 
 
 @pytest.mark.parametrize("name", [name for name in SHIPPED if SHIPPED[name].causal])
 def test_causal_answers_do_not_change_when_the_future_does(name, body):
     recording, _ = body
-    whole = predict_yaw(SHIPPED[name], recording)
+    whole = predict(SHIPPED[name], recording).yaws
     half = len(recording) // 2
     cut = replace(
         recording,
@@ -92,7 +92,7 @@ def test_causal_answers_do_not_change_when_the_future_does(name, body):
         rotations=recording.rotations[:half],
         valid=recording.valid[:half],
     )
-    np.testing.assert_allclose(predict_yaw(SHIPPED[name], cut), whole[:half], atol=1e-6)
+    np.testing.assert_allclose(predict(SHIPPED[name], cut).yaws, whole[:half], atol=1e-6)
 
 
 @each_shipped
@@ -133,7 +133,7 @@ def test_two_frames_are_enough(body):
         valid=recording.valid[:2],
     )
     for predictor in SHIPPED.values():
-        assert np.all(np.isfinite(predict_yaw(predictor, short)))
+        assert np.all(np.isfinite(predict(predictor, short).yaws))
 
 
 @each_shipped
