@@ -48,7 +48,7 @@ class FOOTWORK_PT_bake(Part, bpy.types.Panel):
         column = layout.column()
         column.use_property_split = True
         column.prop(footwork, "ground")
-        column.prop(footwork, "ground_collection")
+        column.prop(footwork, "ground_collection", text="Collection")
         header, body = layout.panel("FOOTWORK_bake_advanced", default_closed=True)
         header.label(text="Advanced")
         if body:
