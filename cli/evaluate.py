@@ -34,7 +34,11 @@ Exit codes: 0 done, 2 bad usage or bad input, 3 a limit of --fail-if is passed, 
 
 def add_verbs(verb: Callable[..., argparse.ArgumentParser]) -> None:
     """Add the two verbs to the parser of the command line."""
-    sub = verb("evaluate", evaluate, "compare bakes with the truth: each take is the user")
+    _add_evaluate(verb("evaluate", evaluate, "compare bakes with the truth: each take is the user"))
+    _add_compare(verb("compare-reports", compare, "say what got better and worse between two reports"))
+
+
+def _add_evaluate(sub: argparse.ArgumentParser) -> None:
     sub.formatter_class = argparse.RawDescriptionHelpFormatter
     sub.epilog = _EPILOG
     sub.add_argument("takes", nargs="+", metavar="TAKE", help="BVH takes that are in no database given")
@@ -89,7 +93,8 @@ def add_verbs(verb: Callable[..., argparse.ArgumentParser]) -> None:
     )
     cli.add_settings(sub, BakeSettings)
 
-    sub = verb("compare-reports", compare, "say what got better and worse between two reports")
+
+def _add_compare(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("old", metavar="OLD.json", help="a report of evaluate or bake")
     sub.add_argument("new", metavar="NEW.json", help="a later one")
     sub.add_argument(

@@ -74,12 +74,7 @@ def build_database(
         InputError: no take, a setting out of bounds, an exclusion or a contact of an unknown take, contacts that
             contradict each other, a body height that the feet do not reach, or nothing long enough.
     """
-    check(settings)
-    if settings.height_low >= settings.height_high:
-        low, high = settings.height_low, settings.height_high
-        raise InputError(f"height range {low:g} to {high:g}: its end must lie above its start")
-    if not takes:
-        raise InputError(f"database {name!r}: no takes; give at least one mocap file")
+    _check(takes, settings, name)
     check_exclusions(takes, exclude)
     check_contact_edits(takes, contact_edits)
     skeleton = skeleton or takes[0].motion.skeleton
@@ -122,6 +117,15 @@ def build_database(
         tags=tuple(tags),
         provenance=_provenance(takes, settings, exclude, contact_edits, skipped),
     )
+
+
+def _check(takes: Sequence[Take], settings: DatabaseSettings, name: str) -> None:
+    check(settings)
+    if settings.height_low >= settings.height_high:
+        low, high = settings.height_low, settings.height_high
+        raise InputError(f"height range {low:g} to {high:g}: its end must lie above its start")
+    if not takes:
+        raise InputError(f"database {name!r}: no takes; give at least one mocap file")
 
 
 def _height_range(settings: DatabaseSettings) -> tuple[float, float]:
