@@ -64,7 +64,8 @@ class FOOTWORK_OT_build_database(JobOperator, bpy.types.Operator):
         ]
         contact_edits = [edit for take in rows for edit in edits_of_row(take)]
         tags = tuple(files.listed(footwork.database_tags))
-        return _build(takes, settings, self._path, tags, exclude, contact_edits)
+        skeleton = bpy.path.abspath(footwork.database_skeleton)
+        return _build(takes, settings, self._path, tags, exclude, contact_edits, skeleton)
 
     def finish(self, context, result):
         database, doubts = result
@@ -89,7 +90,7 @@ def database_path(footwork: bpy.types.PropertyGroup, override: str = "") -> Path
     return Path(files.beside_blend(f"{stem}_database.npz"))
 
 
-def _build(paths, settings, target, tags, exclude, contact_edits):
+def _build(paths, settings, target, tags, exclude, contact_edits, skeleton):
     if not target.parent.is_dir():
         raise InputError(f"{target.parent}: no such folder; choose another file under Save As")
     takes, doubts = [], []
@@ -99,7 +100,13 @@ def _build(paths, settings, target, tags, exclude, contact_edits):
         takes.append(take)
         doubts.extend(f"{take.name}: {doubt}" for doubt in take.doubts)
     job = build_database(
-        takes, settings, name=target.stem, tags=tags, exclude=exclude, contact_edits=contact_edits
+        takes,
+        settings,
+        name=target.stem,
+        tags=tags,
+        exclude=exclude,
+        contact_edits=contact_edits,
+        skeleton=load_database(skeleton).skeleton if skeleton else None,
     )
     database = yield from part(job, 0.5, 1.0)
     return database, doubts

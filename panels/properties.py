@@ -135,6 +135,10 @@ class FOOTWORK_PG_scene(bpy.types.PropertyGroup):
     database_path: file_path(
         "Save As", "Where the motion database is written; empty for a name beside the .blend file"
     )
+    database_skeleton: file_path(
+        "Skeleton Of",
+        "Database whose skeleton this one shall have, so that a bake can use both; empty for the first take's own",
+    )
     database_tags: StringProperty(
         name="Tags", description="Words to find the database by, separated by commas"
     )

@@ -82,6 +82,7 @@ class FOOTWORK_PT_takes(Part, bpy.types.Panel):
             if name not in ("mirror", "body_height", "height_low", "height_high"):
                 body.prop(settings, name)
         body.prop(footwork, "database_tags")
+        body.prop(footwork, "database_skeleton")
 
 
 class FOOTWORK_MT_takes(bpy.types.Menu):

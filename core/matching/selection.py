@@ -78,11 +78,12 @@ def check_databases(databases: Sequence[MotionDatabase]) -> None:
         )
         if not same:
             raise InputError(
-                f"{where}: other joints than {first.name!r}; build it on that skeleton (--skeleton)"
+                f"{where}: other joints than {first.name!r}; "
+                "build it on the skeleton of that one (Skeleton Of, --skeleton)"
             )
         gap = float(np.max(np.linalg.norm(database.skeleton.offsets - first.skeleton.offsets, axis=-1)))
         if gap > SAME_SKELETON_M:
             raise InputError(
                 f"{where}: its body differs from {first.name!r} by {100.0 * gap:.1f} cm; "
-                "build it on that skeleton (--skeleton)"
+                "build it on the skeleton of that one (Skeleton Of, --skeleton)"
             )

@@ -12,6 +12,9 @@ import numpy as np
 import pytest
 from footwork.bridge import armature, compat
 from footwork.core.database.sidecar import load_database
+from footwork.core.mocap.bvh import write_bvh
+from footwork.core.mocap.demo import demo_motion
+from footwork.core.mocap.export import to_bvh
 from footwork.operators import figures, job_operator
 from footwork.operators.bake import REPORT
 from helpers import add_takes, files
@@ -56,6 +59,22 @@ def test_building_writes_a_database_and_lists_it(empty, demo, tmp_path) -> None:
     assert row.path == "//shot_database.npz" and row.name == made.name and row.found
     bpy.ops.footwork.build_database()
     assert len(scene.footwork.databases) == 1
+
+
+def test_a_database_of_other_people_is_built_on_the_skeleton_of_the_first(empty, demo, tmp_path) -> None:
+    first, second, child = tmp_path / "first.npz", tmp_path / "second.npz", tmp_path / "child.bvh"
+    add_takes(demo, "walk.bvh")
+    bpy.ops.footwork.build_database(filepath=str(first))
+    write_bvh(child, to_bvh(demo_motion("walk", height=1.2), "child"))
+    bpy.ops.footwork.clear_takes()
+    add_takes(tmp_path, "child.bvh")
+    empty.footwork.database_skeleton = str(first)
+    bpy.ops.footwork.build_database(filepath=str(second))
+    ours, theirs = load_database(first).skeleton, load_database(second).skeleton
+    np.testing.assert_array_equal(ours.offsets, theirs.offsets)
+    empty.footwork.database_skeleton = str(tmp_path / "none.npz")
+    with pytest.raises(RuntimeError, match=r"none\.npz"):
+        bpy.ops.footwork.build_database(filepath=str(second))
 
 
 def test_parts_of_a_take_are_left_out(empty, demo, tmp_path) -> None:
