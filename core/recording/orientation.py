@@ -36,5 +36,5 @@ def orientation_doubts(orientation: Orientation, fps: float) -> tuple[str, ...]:
         return ()
     return (
         f"body direction doubtful for {len(doubtful) / fps:.1f} of {len(orientation.yaws) / fps:.1f} s, first at "
-        f"{doubtful[0] / fps:.1f} s: the predictor expects to be off by {np.degrees(DOUBTFUL):.0f} degrees or more there",
+        f"{doubtful[0] / fps:.1f} s: the predictor expects to be {np.degrees(DOUBTFUL):.0f} degrees off or more there",
     )
