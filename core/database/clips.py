@@ -10,6 +10,9 @@ from dataclasses import dataclass
 from ..errors import InputError
 from ..mocap.skeleton import Take
 
+SECONDS = r"(\d*\.?\d*)\s*-\s*(\d*\.?\d*)\s*"
+"""FROM-TO, either of which may be left away."""
+
 
 @dataclass(frozen=True, slots=True)
 class Exclusion:
@@ -33,26 +36,32 @@ def parse_exclusion(text: str) -> Exclusion:
     Raises:
         InputError: the text is not of that form, or TO is not after FROM.
     """
-    match = re.fullmatch(r"(.+):\s*(\d*\.?\d*)\s*-\s*(\d*\.?\d*)\s*", text)
+    match = re.fullmatch(rf"(.+):\s*{SECONDS}", text)
+    form = "write TAKE:FROM-TO in seconds, for example walk:0-1.5"
+    if match is None:
+        raise InputError(f"exclude {text!r}: {form}")
+    return Exclusion(match[1], *parse_seconds(match[2], match[3], f"exclude {text!r}", form))
+
+
+def parse_seconds(start: str, stop: str, where: str, form: str) -> tuple[float, float]:
+    """The two groups of `SECONDS` as numbers: without FROM from 0, without TO to infinity.
+
+    Raises:
+        InputError: one is no number, or TO is not after FROM; it begins with `where` and ends with the right `form`.
+    """
     try:
-        if match is None:
-            raise ValueError
-        start = float(match[2]) if match[2] else 0.0
-        stop = float(match[3]) if match[3] else math.inf
+        first, last = float(start or 0.0), float(stop or math.inf)
     except ValueError:
-        raise InputError(f"exclude {text!r}: write TAKE:FROM-TO in seconds, for example walk:0-1.5") from None
-    if stop <= start:
-        raise InputError(f"exclude {text!r}: {stop:g} s is not after {start:g} s; write TAKE:FROM-TO")
-    return Exclusion(match[1], start, stop)
+        raise InputError(f"{where}: {form}") from None
+    if last <= first:
+        raise InputError(f"{where}: {last:g} s is not after {first:g} s; {form}")
+    return first, last
 
 
 def check_exclusions(takes: Sequence[Take], exclusions: Sequence[Exclusion]) -> None:
     """Raise InputError for an exclusion that names no take or starts past the end of those it names."""
     for exclusion in exclusions:
-        named = [take for take in takes if names_take(exclusion.take, take)]
-        if not named:
-            names = ", ".join(take.name for take in takes)
-            raise InputError(f"exclude {exclusion.take!r}: no such take; there are {names}")
+        named = takes_named(exclusion.take, takes, f"exclude {exclusion.take!r}")
         length = max(len(take.motion) / take.motion.fps for take in named)
         if exclusion.start >= length:
             raise InputError(
@@ -87,6 +96,14 @@ def kept_ranges(
 def file_name(path: str) -> str:
     """The last part of a path of any system: what a database tells of where its takes were."""
     return re.split(r"[\\/]", path)[-1]
+
+
+def takes_named(name: str, takes: Sequence[Take], where: str) -> list[Take]:
+    """The takes that go by this name; InputError that begins with `where` if none does."""
+    named = [take for take in takes if names_take(name, take)]
+    if not named:
+        raise InputError(f"{where}: no such take; there are {', '.join(take.name for take in takes)}")
+    return named
 
 
 def names_take(name: str, take: Take) -> bool:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..mocap.skeleton import SIDES, Take
-from .clips import names_take
+from .clips import SECONDS, names_take, parse_seconds, takes_named
 
 _STATES = {"planted": True, "lifted": False}
 _FORM = "write TAKE:FOOT:STATE:FROM-TO in seconds, for example walk:L:planted:1.2-1.65"
@@ -55,30 +55,21 @@ def parse_contact_edit(text: str) -> ContactEdit:
     Raises:
         InputError: the text is not of that form, or TO is not after FROM.
     """
-    match = re.fullmatch(r"(.+):\s*([^:]*?)\s*:\s*([^:]*?)\s*:\s*(\d*\.?\d*)\s*-\s*(\d*\.?\d*)\s*", text)
-    try:
-        if match is None:
-            raise ValueError
-        start = float(match[4]) if match[4] else 0.0
-        stop = float(match[5]) if match[5] else math.inf
-    except ValueError:
-        raise InputError(f"contact {text!r}: {_FORM}") from None
+    match = re.fullmatch(rf"(.+):\s*([^:]*?)\s*:\s*([^:]*?)\s*:\s*{SECONDS}", text)
+    if match is None:
+        raise InputError(f"contact {text!r}: {_FORM}")
+    start, stop = parse_seconds(match[4], match[5], f"contact {text!r}", _FORM)
     if match[2] not in SIDES:
         raise InputError(f"contact {text!r}: the foot is {match[2]!r}; write L or R")
     if match[3] not in _STATES:
         raise InputError(f"contact {text!r}: the foot is {match[3]!r}; write planted or lifted")
-    if stop <= start:
-        raise InputError(f"contact {text!r}: {stop:g} s is not after {start:g} s; {_FORM}")
     return ContactEdit(match[1], match[2], _STATES[match[3]], start, stop)
 
 
 def check_contact_edits(takes: Sequence[Take], edits: Sequence[ContactEdit]) -> None:
     """Raise InputError for an edit that names no take or leaves those it names, or for two that contradict."""
     for edit in edits:
-        named = [take for take in takes if names_take(edit.take, take)]
-        if not named:
-            names = ", ".join(take.name for take in takes)
-            raise InputError(f"contact {str(edit)!r}: no such take; there are {names}")
+        named = takes_named(edit.take, takes, f"contact {str(edit)!r}")
         length = max(len(take.motion) / take.motion.fps for take in named)
         # a frame may be lost in resampling
         frame = max(1.0 / take.motion.fps for take in named)

@@ -57,7 +57,12 @@ def simulate_recording(
 
 
 def lose_trackers(recording: Recording, names: Iterable[str]) -> Recording:
-    """The recording with some of its trackers asleep all the time: not tracked, and lying where they were first."""
+    """The recording with some of its trackers asleep all the time: not tracked, and lying where they were first.
+
+    Args:
+        recording: any.
+        names: of `TRACKERS`: "head", "left", "right".
+    """
     lost = [TRACKERS.index(name) for name in names]
     positions, rotations = recording.positions.copy(), recording.rotations.copy()
     valid = recording.valid.copy()

@@ -35,7 +35,7 @@ _CARRY_S = 0.1
 """Standard deviation in seconds of the smoothing of the way from hips to head, so that hips under a steady head
 are steady, whatever the matched spine does; 0.05 leaves them half as jerky again as people's, 0.2 bends the spine
 twice as much for nothing."""
-_UNDER = 0.7
+_HIPS_SHARE = 0.7
 """Share of the slow way from the hips to where they should be that the hips go, the spine bending under the head.
 Users of the same suit as the database then have their hips at 5.7 cm from the true ones instead of 7.1, of another suit
 at 6.0 instead of 5.6; either way as much nearer to the target."""
@@ -88,7 +88,7 @@ def place_head(
     chain.bend(error[:, :2] - moved)
     if roots is not None:
         hips = motion.positions + target - chain.head()
-        under = _UNDER * weight * filters.gaussian(roots - hips[:, :2], _SLOW_S * motion.fps)
+        under = _HIPS_SHARE * weight * filters.gaussian(roots - hips[:, :2], _SLOW_S * motion.fps)
         moved = moved + chain.bend(-under)
     chain.steady(_shaking(error[:, :2], motion.fps), _CARRY_S * motion.fps)
     hips = motion.positions + target - chain.head()
