@@ -9,9 +9,10 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
+from ..core.body import hierarchy
+from ..core.body.skeleton import REQUIRED_ROLES, ROLES
 from ..core.errors import InputError
 from ..core.mocap.roles import match_roles
-from ..core.mocap.skeleton import REQUIRED_ROLES, ROLES
 from ..core.rig.rig import Rig
 
 ROLE_MAP = "footwork_roles"
@@ -197,17 +198,9 @@ def _as_moved(
     above = list(parents)
     for number, name in enumerate(names):
         leader = index.get(_copied(obj, obj.pose.bones[name]), -1)
-        walk = leader
-        while walk >= 0 and walk != number:
-            walk = above[walk]
-        if leader >= 0 and walk < 0:
+        if leader >= 0 and number not in (leader, *hierarchy.above(above, leader)):
             above[number] = leader
-    depths = []
-    for number in range(len(names)):
-        depth, walk = 0, number
-        while above[walk] >= 0:
-            depth, walk = depth + 1, above[walk]
-        depths.append(depth)
+    depths = [len(hierarchy.above(above, number)) for number in range(len(names))]
     order = list(range(len(names)))
     if any(parent > number for number, parent in enumerate(above)):
         order.sort(key=lambda number: depths[number])

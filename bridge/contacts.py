@@ -6,8 +6,8 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.body.skeleton import SIDES
 from ..core.errors import InputError
-from ..core.mocap.skeleton import SIDES
 from . import compat
 from .action import fill_curve
 

@@ -11,12 +11,12 @@ from pathlib import Path
 
 import bpy
 
+from ..core.body.edit import resample
+from ..core.body.motion import Motion
 from ..core.errors import InputError
 from ..core.files import write_together
 from ..core.mocap.bvh import write_bvh
-from ..core.mocap.edit import resample
 from ..core.mocap.export import to_bvh
-from ..core.mocap.skeleton import Motion
 from ..core.pipeline import BakeResult
 from ..core.rig.ground import Ground
 from ..core.rig.rig import Rig

@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.mocap.skeleton import Take
+from ..core.mocap.take import Take
 from ..core.rig.fit import fit_rig, rig_from_skeleton, to_bone_tracks
 from .action import key_pose, new_action, scene_fps
 from .armature import create_armature

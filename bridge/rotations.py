@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.maths import quat
+from ..core.maths.angles import wrap
 
 Array = NDArray[np.floating[Any]]
 
@@ -38,8 +39,8 @@ def euler(rotations: Array, mode: str) -> Array:
     # Blender's "XYZ" turns about x first, about fixed axes: the reverse order about moving axes
     angles = quat.to_euler(rotations, mode[::-1])
     mirrored = np.stack([angles[:, 0] + np.pi, np.pi - angles[:, 1], angles[:, 2] + np.pi], axis=-1)
-    stay = np.abs(_wrap(angles[1:] - angles[:-1])).sum(axis=-1)
-    swap = np.abs(_wrap(mirrored[1:] - angles[:-1])).sum(axis=-1)
+    stay = np.abs(wrap(angles[1:] - angles[:-1])).sum(axis=-1)
+    swap = np.abs(wrap(mirrored[1:] - angles[:-1])).sum(axis=-1)
     flipped = np.concatenate([[0], np.cumsum(swap < stay) % 2]).astype(bool)
     values = np.unwrap(np.where(flipped[:, None], mirrored, angles), axis=0)
     return values[:, [mode[::-1].index(axis) for axis in "XYZ"]]
@@ -59,7 +60,3 @@ def axis_angle(rotations: Array) -> Array:
     axis = axis * np.concatenate([[1.0], 1.0 - 2.0 * flips])[:, None]
     angle = np.unwrap(2.0 * np.arctan2(np.sum(vector * axis, axis=-1), rotations[:, 0]))
     return np.concatenate([angle[:, None], axis], axis=-1)
-
-
-def _wrap(angle: Array) -> Array:
-    return (angle + np.pi) % (2.0 * np.pi) - np.pi

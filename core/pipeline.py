@@ -10,20 +10,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .body.motion import Motion
+from .body.skeleton import Skeleton
 from .database.motion_database import MotionDatabase
 from .errors import InputError
-from .evaluation.metrics import Values, Yardstick, body_of, summarise
-from .evaluation.series import series
 from .jobs import Job, part
 from .matching.body_target import body_targets
 from .matching.inertialization import assemble
 from .matching.playback import Playback, match
 from .matching.trajectory import make_trajectory
-from .mocap.skeleton import Motion, Skeleton
-from .recording.body import joint_targets, raised, scale
+from .measure.metrics import Values, Yardstick, body_of, summarise
+from .measure.series import series
 from .recording.orientation import Orientation, orientation_doubts
 from .recording.recording import Recording
 from .recording.resample import resample
+from .recording.targets import joint_targets, raised, scale
 from .rig.avatar import animate
 from .rig.fit import fit_rig, rig_from_skeleton, to_bone_tracks
 from .rig.ground import Footing, Ground

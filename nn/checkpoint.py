@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from ..core.errors import InputError
 from ..core.files import write_atomically
-from ..core.mocap.skeleton import Take
+from ..core.mocap.take import Take
 from .inputs import Scaler
 from .network import Network
 from .settings import TrainSettings

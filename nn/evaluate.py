@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from ..core.database.virtual_root import virtual_root
 from ..core.maths import angles
-from ..core.mocap.skeleton import Take
-from ..core.recording.body import joint_targets
+from ..core.mocap.take import Take
 from ..core.recording.orientation import Orientation
 from ..core.recording.recording import Recording
 from ..core.recording.simulate import lose_trackers, simulate_recording
+from ..core.recording.targets import joint_targets
 from .inputs import headings
 from .predictor import hmd_forward, predict
 from .weights import Predictor

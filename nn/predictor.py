@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.maths import angles, filters
-from ..core.recording.body import joint_targets
 from ..core.recording.orientation import Orientation
 from ..core.recording.recording import Recording
 from ..core.recording.resample import resample
+from ..core.recording.targets import joint_targets
 from .inputs import (
     RATE,
     TRACKED,

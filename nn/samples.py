@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.body.edit import cut, resample
 from ..core.database.virtual_root import virtual_root
-from ..core.mocap.edit import cut, resample
-from ..core.mocap.skeleton import Take
-from ..core.recording.body import joint_targets
+from ..core.mocap.take import Take
 from ..core.recording.simulate import simulate_recording
+from ..core.recording.targets import joint_targets
 from .curation import curate
 from .inputs import RATE
 from .predictor import head_height

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..core.errors import InputError
 from ..core.jobs import Job
-from ..core.mocap.skeleton import Take
+from ..core.mocap.take import Take
 from ..core.settings import check
 from .checkpoint import (
     Checkpoint,

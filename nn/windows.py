@@ -19,7 +19,6 @@ from ..core.maths import quat
 Array = NDArray[np.floating[Any]]
 
 POSITIONS, ROTATIONS, FACING, TRACKED = slice(0, 9), slice(9, 27), slice(27, 29), slice(29, 31)
-STREAM = 31
 
 
 @dataclass(frozen=True, slots=True, eq=False)

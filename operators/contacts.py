@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 
 from ..bridge import contacts as keyed
 from ..bridge.settings import read_settings
+from ..core.body.edit import resample
 from ..core.database.contact_edits import (
     ContactEdit,
     check_contact_edits,
@@ -15,8 +16,7 @@ from ..core.database.contact_edits import (
 )
 from ..core.database.contacts import detect_contacts, resample_contacts
 from ..core.errors import InputError
-from ..core.mocap.edit import resample
-from ..core.mocap.skeleton import Take
+from ..core.mocap.take import Take
 from ..core.mocap.takes import load_take
 from ..core.settings import DatabaseSettings
 from . import files

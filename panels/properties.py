@@ -13,7 +13,7 @@ from bpy.props import (
 
 from ..bridge import armature
 from ..bridge.ground import SURFACES
-from ..core.mocap.skeleton import ROLES
+from ..core.body.skeleton import ROLES
 from ..core.settings import BakeSettings, DatabaseSettings
 from ..nn.settings import TrainSettings
 from .from_settings import property_group

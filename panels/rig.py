@@ -3,7 +3,7 @@
 import bpy
 
 from ..bridge import armature
-from ..core.mocap.skeleton import ARM, CENTRE_ROLES, LEG, REQUIRED_ROLES
+from ..core.body.skeleton import ARM, CENTRE_ROLES, LEG, REQUIRED_ROLES
 from . import text
 from .parts import Part
 from .properties import attribute, role_label

@@ -11,7 +11,7 @@ import sys
 from pathlib import Path
 
 from footwork.core.jobs import run
-from footwork.core.mocap.skeleton import Take
+from footwork.core.mocap.take import Take
 from footwork.core.mocap.takes import load_take
 from footwork.nn.settings import TrainSettings
 from footwork.nn.train import train_predictor

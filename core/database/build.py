@@ -11,11 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import VERSION
+from ..body.edit import cut, mirror, resample
+from ..body.motion import Motion
+from ..body.skeleton import Skeleton
+from ..body.standing import standing_head_height
 from ..errors import InputError
 from ..jobs import Job
-from ..mocap.edit import cut, mirror, resample
-from ..mocap.skeleton import Motion, Skeleton, Take
-from ..mocap.standing import standing_head_height
+from ..mocap.take import Take
 from ..settings import DatabaseSettings, check
 from .carry import carry_over
 from .clips import Exclusion, check_exclusions, file_name, kept_ranges

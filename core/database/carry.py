@@ -8,9 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..maths import kinematics, quat
-from ..mocap.skeleton import Motion, Skeleton
-from ..rig.retarget import retarget
+from ..body import forward_kinematics as fk
+from ..body.motion import Motion
+from ..body.retarget import retarget
+from ..body.skeleton import Skeleton
+from ..maths import quat
 
 Array = NDArray[np.floating[Any]]
 
@@ -37,9 +39,7 @@ def carry_over(motion: Motion, skeleton: Skeleton) -> Motion:
     if np.linalg.norm(moved, axis=-1).max() > _CONGRUENT:
         return retarget(motion, skeleton)
     rotations = quat.multiply(motion.forward()[1], turns)
-    return Motion(
-        skeleton, motion.fps, motion.positions, kinematics.local_rotations(rotations, skeleton.parents)
-    )
+    return Motion(skeleton, motion.fps, motion.positions, fk.local_rotations(rotations, skeleton.parents))
 
 
 def tpose_turns(source: Skeleton, target: Skeleton) -> Array:

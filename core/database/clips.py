@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ..errors import InputError
-from ..mocap.skeleton import Take
+from ..mocap.take import Take
 
 SECONDS = r"(\d*\.?\d*)\s*-\s*(\d*\.?\d*)\s*"
 """FROM-TO, either of which may be left away."""

@@ -11,8 +11,9 @@ from itertools import combinations, pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from ..body.skeleton import SIDES
 from ..errors import InputError
-from ..mocap.skeleton import SIDES, Take
+from ..mocap.take import Take
 from .clips import SECONDS, names_take, parse_seconds, takes_named
 
 _STATES = {"planted": True, "lifted": False}

@@ -9,10 +9,10 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from ..body.motion import Motion
+from ..body.toes import place_toes
 from ..maths import angles, kinematics, quat
-from ..mocap.skeleton import Motion
 from ..recording.mounts import SIMULATED_MOUNTS
-from .contacts import place_toes
 from .motion_database import Clip, MotionDatabase
 
 Array = NDArray[np.floating[Any]]
@@ -56,19 +56,6 @@ def describe_database(database: MotionDatabase) -> dict[str, Any]:
         "feet": _feet(database, toes),
         "provenance": provenance,
     }
-
-
-def suggest_height_range(database: MotionDatabase) -> tuple[float, float]:
-    """The height ratios at which the database's motion keeps its headset, `(low, high)`.
-
-    From the 2nd to the 98th percentile of headset height over eye height, widened to whole hundredths.
-    """
-    return _kept_range(headset_heights(database) / database.eye_height)
-
-
-def headset_heights(database: MotionDatabase) -> Array:
-    """Heights `(N,)` in metres of a simulated headset over the floor."""
-    return _headset_heights(database, *_in_root_space(database).forward())
 
 
 def _in_root_space(database: MotionDatabase) -> Motion:

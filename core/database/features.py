@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..body.motion import Motion
+from ..body.skeleton import SIDES
 from ..maths import angles
-from ..mocap.skeleton import SIDES, Motion
 from .motion_database import FEATURE_COUNT, FEATURE_GROUPS, HORIZONS_S, FeatureDatabase
 from .poses import steps
 from .virtual_root import to_root_space

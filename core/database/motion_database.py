@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..mocap.skeleton import Skeleton
+from ..body.skeleton import Skeleton
 
 Array = NDArray[np.floating[Any]]
 

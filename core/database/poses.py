@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..body.motion import Motion
 from ..maths import kinematics, quat
-from ..mocap.skeleton import Motion
 from .motion_database import PoseDatabase
 from .virtual_root import to_root_space
 

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..body import forward_kinematics as fk
+from ..body.skeleton import SIDES, Skeleton
+from ..body.toes import toe_places
+from ..body.trunk import neck, pelvis, spine, thighs_middle
 from ..maths import quat
-from ..mocap.body import chain_positions
-from ..mocap.skeleton import SIDES, Skeleton
-from ..rig.retarget import neck, pelvis, spine, thighs_middle
-from .contacts import toe_places
 
 Array = NDArray[np.floating[Any]]
 
@@ -100,7 +100,7 @@ def _leaned(skeleton: Skeleton, lean: Array) -> tuple[Array, Array]:
     """Middle of the shoulders and head joint `(K, 3)` from the thigh joints' middle, in T-pose but for the lean."""
     turns = quat.from_axis("X", -lean[:, None] * lean_shares(skeleton))
     hips = -quat.rotate(turns[:, 0], thighs_middle(skeleton))
-    places = chain_positions(hips, turns, skeleton.offsets, skeleton.parents)
+    places = fk.joint_positions(hips, turns, skeleton.offsets, skeleton.parents)
     arms = [skeleton.joint(f"upper_arm.{side}") for side in SIDES]
     return places[:, arms].mean(axis=1), places[:, skeleton.joint("head")]
 

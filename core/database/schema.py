@@ -8,7 +8,8 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from ..mocap.skeleton import REQUIRED_ROLES, ROLES, SIDES
+from ..body import hierarchy
+from ..body.skeleton import REQUIRED_ROLES, ROLES, SIDES
 from .features import horizon_frames
 from .motion_database import FEATURE_COUNT, FEATURE_GROUPS, HORIZONS_S
 
@@ -117,17 +118,12 @@ def _check_skeleton(arrays: Arrays) -> None:
     for limb in (("upper_arm", "forearm", "hand"), ("thigh", "shin", "foot")):
         for side in SIDES:
             upper, middle, end = (roles.index(f"{part}.{side}") for part in limb)
-            if not (_is_above(upper, middle, parents) and _is_above(middle, end, parents)):
+            over = hierarchy.above(parents, middle), hierarchy.above(parents, end)
+            if upper not in over[0] or middle not in over[1]:
                 raise FaultError(f"{', '.join(limb)} ({side}) do not follow each other in 'joint_parents'")
     legs = [roles.index(f"{part}.{side}") for part in ("shin", "foot") for side in SIDES]
     if (np.linalg.norm(offsets[legs], axis=-1) < 1e-3).any():
         raise FaultError("'joint_offsets' has legs without length")
-
-
-def _is_above(ancestor: int, joint: int, parents: NDArray[Any]) -> bool:
-    while joint > ancestor:
-        joint = int(parents[joint])
-    return joint == ancestor
 
 
 def _check_clips(arrays: Arrays) -> None:

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.lib.npyio import NpzFile
 
 from .. import VERSION
+from ..body.skeleton import Skeleton
 from ..errors import InputError
 from ..files import sha256_of, write_atomically
-from ..mocap.skeleton import Skeleton
 from .motion_database import (
     FEATURE_GROUPS,
     HORIZONS_S,

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..body import heel, two_bone
+from ..body.legs import Leg
 from ..maths import filters, quat
+from ..maths.easing import smoothstep
 from ..maths.vectors import level, norm, unit
-from ..mocap.skeleton import SIDES, Skeleton
-from ..rig import heel, two_bone
-from .contacts import toe_places
 
 Array = NDArray[np.floating[Any]]
 
@@ -34,44 +34,31 @@ _SOFT_KNEE = 0.03
 _FORWARD, _DOWN = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, -1.0])
 
 
-class Leg:
-    """Joints and measures of a leg in T-pose, metres and radians."""
+def highest(leg: Leg) -> float:
+    """Metres that the ankle of a leg can rise over standing toes."""
+    return leg.radius * (np.sin(_ON_TOES) - np.sin(leg.flat))
 
-    def __init__(self, skeleton: Skeleton, side: int) -> None:
-        self.thigh, self.shin, self.foot = (
-            skeleton.joint(f"{part}.{SIDES[side]}") for part in ("thigh", "shin", "foot")
-        )
-        joints, shifts = toe_places(skeleton)
-        self.end = int(joints[side])
-        """The toe joint, or the foot where there is none."""
-        standing = skeleton.tpose_positions()
-        self.to_toe = standing[self.end] + shifts[side] - standing[self.foot]
-        self.bones = np.linalg.norm(skeleton.offsets[[self.shin, self.foot]], axis=-1)
-        self.radius = float(np.hypot(self.to_toe[1], self.to_toe[2]))
-        self.flat = float(np.arctan2(-self.to_toe[2], self.to_toe[1]))
-        """Angle over the ground from toe back to ankle while the foot stands."""
 
-    def highest(self) -> float:
-        """Metres that the ankle can rise over standing toes."""
-        return self.radius * (np.sin(_ON_TOES) - np.sin(self.flat))
+def ahead_by(leg: Leg, rise: Array) -> Array:
+    """Metres that the ankle of a standing foot goes forward as it rises by `rise` `(T,)` metres."""
+    return leg.radius * (np.cos(leg.flat) - np.cos(_up(leg, rise)))
 
-    def forward(self, rise: Array) -> Array:
-        """Metres that the ankle of a standing foot goes forward as it rises by `rise` `(T,)` metres."""
-        return self.radius * (np.cos(self.flat) - np.cos(self._up(rise)))
 
-    def risen(self, angle: Array, rise: Array) -> Array:
-        """The angle `(T,)` from toe to ankle where a standing foot's ankle rises by `rise` `(T,)` metres.
+def _risen(leg: Leg, angle: Array, rise: Array) -> Array:
+    """The angle `(T,)` from toe to ankle where a standing foot's ankle rises by `rise` `(T,)` metres.
 
-        Feet whose heels are up already, as at the end of a step, rise less and less.
-        """
-        up = self._up(rise)
-        left = (_STEEPEST - up) / (_STEEPEST - self.flat)
-        steep = np.maximum(angle, up + (angle - self.flat) * left)
-        return np.where(angle < self.flat, angle + up - self.flat, steep)
+    Feet whose heels are up already, as at the end of a step, rise less and less.
+    """
+    up = _up(leg, rise)
+    left = (_STEEPEST - up) / (_STEEPEST - leg.flat)
+    steep = np.maximum(angle, up + (angle - leg.flat) * left)
+    return np.where(angle < leg.flat, angle + up - leg.flat, steep)
 
-    def _up(self, rise: Array) -> Array:
-        sine = np.sin(self.flat) + rise / max(self.radius, 1e-6)
-        return np.arcsin(np.minimum(sine, np.sin(_STEEPEST)))
+
+def _up(leg: Leg, rise: Array) -> Array:
+    """The angle `(T,)` from toe to ankle of a foot that stood flat and whose ankle rose."""
+    sine = np.sin(leg.flat) + rise / max(leg.radius, 1e-6)
+    return np.arcsin(np.minimum(sine, np.sin(_STEEPEST)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -120,7 +107,7 @@ def foot_path(
     pitch = heel.pitch_of(rotations[:, leg.foot], leg.to_toe)
     longest = np.maximum(norm(positions[:, leg.foot] - positions[:, leg.thigh]), _STRAIGHT * leg.bones.sum())
     ahead = unit(filters.gaussian(-pitch.back, _POINTING_S * fps))
-    return FootPath(leg, toes, pitch, leg.risen(pitch.angle, rise), longest, ahead)
+    return FootPath(leg, toes, pitch, _risen(leg, pitch.angle, rise), longest, ahead)
 
 
 def overstretch(foot: FootPath, places: Array) -> Array:
@@ -163,7 +150,7 @@ def place_leg(
     own = quat.rotate(quat.between(limb[:, 2] - limb[:, 0], line), bend)
     over = quat.rotate(quat.between(np.broadcast_to(_DOWN, line.shape), line), foot.ahead)
     share = np.clip(drop / _OVER_TOES, 0.0, 1.0)
-    share = (share**2 * (3.0 - 2.0 * share))[:, None]
+    share = smoothstep(share)[:, None]
     bones, _ = two_bone.reach(
         limb + (hips - limb[:, 0])[:, None],
         rotations[:, [leg.thigh, leg.shin]],
@@ -185,4 +172,4 @@ def _lowered(foot: FootPath, hips: Array) -> Array:
     bones = foot.leg.bones
     begin, end = np.sqrt(bones @ bones + 2.0 * bones[0] * bones[1] * np.cos(_FOLDING))
     share = np.clip((begin - norm(hips - foot.ankles(foot.angle))) / (begin - end), 0.0, 1.0)
-    return foot.angle - share**2 * (3.0 - 2.0 * share) * np.maximum(foot.angle - foot.leg.flat, 0.0)
+    return foot.angle - smoothstep(share) * np.maximum(foot.angle - foot.leg.flat, 0.0)

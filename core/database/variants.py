@@ -8,15 +8,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..body import forward_kinematics as fk
+from ..body import hierarchy
+from ..body.legs import Leg, legs_of
+from ..body.motion import Motion
+from ..body.pose import with_world_rotations
+from ..body.skeleton import SIDES, Skeleton
+from ..body.trunk import thighs_middle
 from ..errors import InputError
 from ..maths import angles, filters, quat
+from ..maths.easing import smoothstep
 from ..maths.vectors import unit
-from ..mocap.body import chain_positions
-from ..mocap.skeleton import SIDES, Motion, Skeleton
-from ..rig.pose import with_world_rotations
-from ..rig.retarget import thighs_middle
 from .posture import crouching, lean_shares
-from .variant_legs import FootPath, Leg, foot_path, overstretch, place_leg, soft_max
+from .variant_legs import FootPath, ahead_by, foot_path, highest, overstretch, place_leg, soft_max
 
 Array = NDArray[np.floating[Any]]
 
@@ -56,7 +60,7 @@ def at_body_height(motion: Motion, contacts: NDArray[np.bool_], share: float, st
     if share == 1.0:
         return motion
     skeleton = motion.skeleton
-    legs = [Leg(skeleton, side) for side in range(2)]
+    legs = legs_of(skeleton)
     _check_reach(legs, share, standing)
     positions, rotations = motion.forward()
     drop = _drop(positions[:, skeleton.joint("head"), 2], share, standing)
@@ -101,7 +105,7 @@ def usual_height_range(share: float) -> tuple[float, float]:
 
 
 def _check_reach(legs: Sequence[Leg], share: float, standing: float) -> None:
-    most = 1.0 + min(leg.highest() for leg in legs) / standing
+    most = 1.0 + min(highest(leg) for leg in legs) / standing
     if share > most:
         raise InputError(
             f"body height {share:g}: on the toes of this skeleton's feet the head comes to {most:.3f} of its standing "
@@ -128,7 +132,7 @@ def _upper_body(
     lean, back = (np.interp(drop, crouch.drop, values) for values in (crouch.lean, crouch.back))
     # on tip-toe the legs stand over the balls of the feet, where the ankles go
     rise = np.maximum(-drop, 0.0)
-    back -= np.mean([leg.forward(rise) for leg in legs], axis=0)
+    back -= np.mean([ahead_by(leg, rise) for leg in legs], axis=0)
     left = np.stack([-facing[:, 1], facing[:, 0], np.zeros(len(facing))], axis=-1)
     tilts = lean[:, None] * lean_shares(skeleton)
     world = quat.multiply(quat.from_rotation_vector(left[:, None] * tilts[..., None]), rotations)
@@ -136,17 +140,14 @@ def _upper_body(
     hips = motion.positions + quat.rotate(rotations[:, 0], middle) - quat.rotate(world[:, 0], middle)
     hips -= back[:, None] * facing
     hips[:, :2] += (steps - 1.0) * motion.positions[:, :2]
-    places = chain_positions(hips, world, skeleton.offsets, skeleton.parents)
+    places = fk.joint_positions(hips, world, skeleton.offsets, skeleton.parents)
     places[..., 2] += (positions[:, head, 2] - drop - places[:, head, 2])[:, None]
     return world, places
 
 
 def _above_legs(skeleton: Skeleton, legs: Sequence[Leg]) -> list[int]:
     """The joints that hang from no thigh."""
-    below = {leg.thigh for leg in legs}
-    for joint, parent in enumerate(skeleton.parents.tolist()):
-        if parent in below:
-            below.add(joint)
+    below = hierarchy.below(skeleton.parents, [leg.thigh for leg in legs])
     return [joint for joint in range(len(skeleton)) if joint not in below]
 
 
@@ -191,5 +192,5 @@ def _through(knots: Array, times: Array) -> Array:
     length = np.maximum(start[k + 1] - start[k], 1e-9)
     t = (times - start[k]) / length
     curve = (1.0 + 2.0 * t) * (1.0 - t) ** 2 * value[k] + t * (1.0 - t) ** 2 * length * slope[k]
-    curve += t**2 * (3.0 - 2.0 * t) * value[k + 1] - t**2 * (1.0 - t) * length * slope[k + 1]
+    curve += smoothstep(t) * value[k + 1] - t**2 * (1.0 - t) * length * slope[k + 1]
     return np.where((times < start[0]) | (times > start[-1]), times, curve)

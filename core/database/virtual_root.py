@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..body.motion import Motion
 from ..maths import angles, filters, quat
-from ..mocap.skeleton import Motion
 
 Array = NDArray[np.floating[Any]]
 

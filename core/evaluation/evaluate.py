@@ -13,16 +13,16 @@ from .. import VERSION
 from ..database.motion_database import MotionDatabase
 from ..database.virtual_root import virtual_root
 from ..jobs import Job, part
-from ..mocap.skeleton import Take
+from ..measure import measures
+from ..measure.metrics import Body, Values, body_of, pool, summarise
+from ..measure.series import series
+from ..mocap.take import Take
 from ..pipeline import BakeResult, bake
 from ..recording.orientation import Orientation
 from ..recording.recording import Recording
 from ..recording.simulate import simulate_recording
 from ..rig.fit import rig_from_skeleton
 from ..settings import BakeSettings
-from . import measures
-from .metrics import Body, Values, body_of, pool, summarise
-from .series import series
 
 Array = NDArray[np.floating[Any]]
 Predict = Callable[[Recording], Orientation]

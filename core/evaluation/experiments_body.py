@@ -13,9 +13,9 @@ from ..database.motion_database import MotionDatabase
 from ..database.virtual_root import virtual_root
 from ..errors import InputError
 from ..jobs import Job
+from ..measure.measures import counted, summary, yaw_errors
 from ..recording.simulate import simulate_recording
 from ..settings import BakeSettings
-from .measures import counted, summary, yaw_errors
 from .study import (
     Cell,
     Experiment,

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..errors import InputError
-from .catalogue import METRICS, STATISTICS, get
+from ..measure.catalogue import METRICS, STATISTICS, get
 
 _COMPARE: dict[str, Callable[[float, float], bool]] = {
     ">": operator.gt,

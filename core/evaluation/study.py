@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 from ..database.motion_database import MotionDatabase
 from ..jobs import Job, part
 from ..matching.playback import Playback
-from ..mocap.skeleton import Take
+from ..measure.catalogue import METRICS, get
+from ..measure.metrics import Metrics, Values, pool, summarise
+from ..measure.series import stretch_means
+from ..mocap.take import Take
 from ..settings import BakeSettings
-from .catalogue import METRICS, get
 from .evaluate import Predict, evaluate_take, lighten
-from .metrics import Metrics, Values, pool, summarise
-from .series import stretch_means
 
 Array = NDArray[np.floating[Any]]
 Cell = str | float | int | None

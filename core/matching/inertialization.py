@@ -20,10 +20,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..body.motion import Motion
 from ..database.motion_database import MotionDatabase
 from ..maths import angles, quat
 from ..maths.vectors import cross, dot
-from ..mocap.skeleton import Motion
 from ..settings import BakeSettings
 from .playback import Playback
 from .selection import check_databases

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..database.motion_database import HORIZONS_S
 from ..errors import InputError
+from ..maths import filters
 from ..settings import BakeSettings
 
 Array = NDArray[np.floating[Any]]
@@ -143,24 +144,8 @@ def look_ahead_trajectory(targets: Array, yaws: Array, fps: float) -> Trajectory
         yaws: `(T,)` radians, without jumps.
         fps: frames per second.
     """
-    path = smooth(np.column_stack([targets, yaws]), LOOK_AHEAD_SMOOTHING_S * fps)
+    path = filters.gaussian(np.column_stack([targets, yaws]), LOOK_AHEAD_SMOOTHING_S * fps)
     steps = np.rint(np.array(HORIZONS_S) * fps).astype(np.intp)
     ahead = path[np.minimum(np.arange(len(path))[:, None] + steps, len(path) - 1)]
     velocities = np.gradient(path[:, :2], axis=0) * fps if len(path) > 1 else np.zeros((1, 2))
     return Trajectory(fps, targets, yaws, velocities, ahead[..., :2], ahead[..., 2])
-
-
-def smooth(values: Array, deviation: float) -> Array:
-    """Columns of `values` `(T, C)` under a Gaussian of `deviation` frames, zero phase.
-
-    Past the ends the values go on point-symmetrically, so that ends and straight lines stay where they are.
-    """
-    radius = min(math.ceil(4.0 * deviation), len(values) - 1)
-    if radius < 1:
-        return values.copy()
-    kernel = np.exp(-0.5 * (np.arange(-radius, radius + 1) / deviation) ** 2)
-    kernel /= kernel.sum()
-    before = 2.0 * values[0] - values[radius:0:-1]
-    after = 2.0 * values[-1] - values[-2 : -radius - 2 : -1]
-    padded = np.concatenate([before, values, after], axis=0)
-    return np.lib.stride_tricks.sliding_window_view(padded, len(kernel), axis=0) @ kernel

@@ -174,16 +174,6 @@ def local_transforms(bvh: BvhFile, joints: NDArray[np.intp] | None = None) -> tu
     return positions, rotations
 
 
-def global_transforms(positions: Array, rotations: Array, parents: NDArray[np.intp]) -> tuple[Array, Array]:
-    """Global positions `(T, K, 3)` and rotations `(T, K, 4)` of local ones, parents before children."""
-    out_p, out_r = positions.copy(), rotations.copy()
-    for joint, parent in enumerate(parents.tolist()):
-        if parent >= 0:
-            out_p[:, joint] = out_p[:, parent] + quat.rotate(out_r[:, parent], positions[:, joint])
-            out_r[:, joint] = quat.multiply(out_r[:, parent], rotations[:, joint])
-    return out_p, out_r
-
-
 def _from_angles(angles: Array, order: str) -> Array:
     """Quaternions `(T, K, 4)` of intrinsic angles `(T, K, n)` in radians about the `n` axes of `order`."""
     if not order:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..body.motion import Motion
+from ..body.pose import role_poses
+from ..body.skeleton import ARM, SIDES
 from ..maths import angles, kinematics, quat
-from .skeleton import ARM, SIDES, Motion
 
 Array = NDArray[np.floating[Any]]
 
@@ -19,6 +20,8 @@ _DRIFT_PART_S = 8.0
 _DRIFT_PARTS = 6
 ARM_JUMP = np.radians(40.0)
 """An arm joint does not turn by this from one frame to the next."""
+_UPRIGHT = np.cos(np.radians(45.0))
+"""Height of the hips' unit up vector from which a body counts as upright."""
 _HIPS_JUMP = 0.06
 """Metres that hips may be thrown between two frames, beyond what they did before and after."""
 
@@ -31,7 +34,7 @@ def heading_parts(motion: Motion) -> Array | None:
     count = min(_DRIFT_PARTS, int(len(motion) / motion.fps / _DRIFT_PART_S))
     if count < 4:
         return None
-    _, rotations = forward_of(motion, ("head",))
+    _, rotations = role_poses(motion, ("head",))
     aside = angles.wrap(quat.heading(rotations[:, 0]) - quat.heading(motion.rotations[:, 0]))
     return np.array([_circular_median(part) for part in np.array_split(aside, count)])
 
@@ -55,14 +58,20 @@ def hips_jumps(motion: Motion) -> NDArray[np.intp]:
 
 
 def toes_aside(motion: Motion) -> float | None:
-    """Mean yaw in radians of the toes against the hips while the feet rest, both feet; None without toes."""
+    """Mean yaw in radians of the toes against the hips while the body is upright and the feet rest, both feet.
+
+    None without toes, and for a body that is never upright: the hips of who lies have no heading.
+    """
     skeleton = motion.skeleton
     if any(skeleton.find(f"toe.{side}") < 0 for side in SIDES):
         return None
-    feet, _ = forward_of(motion, ("foot.L", "foot.R"))
-    toes, _ = forward_of(motion, ("toe.L", "toe.R"))
+    feet, _ = role_poses(motion, ("foot.L", "foot.R"))
+    toes, _ = role_poses(motion, ("toe.L", "toe.R"))
     speed = np.linalg.norm(kinematics.velocity(toes, motion.fps), axis=-1)
-    rests = speed <= np.quantile(speed, 0.3, axis=0)
+    upright = quat.rotate(motion.rotations[:, 0], np.array([0.0, 0.0, 1.0]))[:, 2] > _UPRIGHT
+    if not upright.any():
+        return None
+    rests = (speed <= np.quantile(speed[upright], 0.3, axis=0)) & upright[:, None]
     aside = angles.yaw_of(toes - feet) - quat.heading(motion.rotations[:, 0])[:, None]
     return float(np.angle(np.sum(np.exp(1j * aside) * rests)))
 
@@ -77,25 +86,6 @@ def walking_aside(motion: Motion) -> tuple[float, float]:
     aside = angles.yaw_of(velocity) - quat.heading(motion.rotations[half:-half, 0])
     mean = np.exp(1j * aside[walks]).sum()
     return float(np.angle(mean)), float(walks.sum() / motion.fps)
-
-
-def forward_of(motion: Motion, roles: Sequence[str]) -> tuple[Array, Array]:
-    """World positions `(T, n, 3)` and rotations since T-pose `(T, n, 4)` of the joints with these roles only."""
-    skeleton = motion.skeleton
-    wanted = [skeleton.joint(role) for role in roles]
-    chain: set[int] = set()
-    for joint in wanted:
-        while joint >= 0 and joint not in chain:
-            chain.add(joint)
-            joint = int(skeleton.parents[joint])
-    order = sorted(chain)
-    place = {joint: k for k, joint in enumerate(order)}
-    parents = np.array([place.get(int(skeleton.parents[joint]), -1) for joint in order], dtype=np.intp)
-    positions, rotations = kinematics.forward(
-        motion.positions, motion.rotations[:, order], skeleton.offsets[order], parents
-    )
-    ends = [place[joint] for joint in wanted]
-    return positions[:, ends], rotations[:, ends]
 
 
 def _circular_median(values: Array) -> float:

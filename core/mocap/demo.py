@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..body.motion import Motion
+from ..body.skeleton import LEG, SIDES, Skeleton
 from ..maths import angles, quat
-from .skeleton import LEG, SIDES, Motion, Skeleton
 
 Array = NDArray[np.floating[Any]]
 

@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..body.motion import Motion
+from ..body.skeleton import Skeleton
 from ..maths import quat
 from .bvh import BvhFile
-from .skeleton import Motion, Skeleton
 
 Array = NDArray[np.floating[Any]]
 

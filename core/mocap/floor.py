@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..body.motion import Motion
+from ..body.pose import role_poses
+from ..body.skeleton import SIDES, Skeleton
 from ..maths import kinematics, quat
-from .checks import forward_of
-from .skeleton import SIDES, Motion, Skeleton
 
 Array = NDArray[np.floating[Any]]
 
@@ -27,7 +28,7 @@ def floor_height(motion: Motion) -> float:
     """Height in metres of the lowest level that the feet stand at."""
     skeleton = motion.skeleton
     ends = [f"{'toe' if f'toe.{side}' in skeleton.roles else 'foot'}.{side}" for side in SIDES]
-    positions, rotations = forward_of(motion, [*(f"foot.{side}" for side in SIDES), *ends])
+    positions, rotations = role_poses(motion, [*(f"foot.{side}" for side in SIDES), *ends])
     tips = skeleton.tips[[skeleton.joint(end) for end in ends]]
     bottoms = _bottoms(positions, rotations, tips)
     speed = np.linalg.norm(kinematics.velocity(positions[:, 2:], motion.fps), axis=-1)

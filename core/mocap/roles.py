@@ -18,8 +18,9 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from ..body import hierarchy
+from ..body.skeleton import ARM, LEG, REQUIRED_ROLES, SIDES, SPINE
 from ..errors import InputError
-from .skeleton import ARM, LEG, REQUIRED_ROLES, SIDES, SPINE
 
 PRESETS = Path(__file__).parents[2] / "presets" / "bone_maps"
 """The presets that ship."""
@@ -70,7 +71,7 @@ def match_roles(
         InputError: no scheme has every joint that a body needs; says which one came nearest.
     """
     reduced = [_reduce(name) for name in names]
-    ancestors = _ancestors(parents)
+    ancestors = [hierarchy.above(parents, joint) for joint in range(len(parents))]
     best: dict[str, int] = {}
     fitting: Preset | None = None
     nearest: tuple[int, str, list[str]] = (0, "", [])
@@ -140,19 +141,6 @@ def _preset(data: Any) -> Preset:
 def _reduce(name: str) -> str:
     """A name without what varies between exporters: case, separators, and all before a namespace's colon."""
     return re.sub(r"[\W_]+", "", re.split(r"[:|]", name)[-1]).lower()
-
-
-def _ancestors(parents: NDArray[np.intp]) -> list[list[int]]:
-    """For each joint the joints above it, nearest first."""
-    out: list[list[int]] = []
-    for joint in range(len(parents)):
-        above: list[int] = []
-        at = int(parents[joint])
-        while at >= 0 and len(above) < len(parents):
-            above.append(at)
-            at = int(parents[at])
-        out.append(above)
-    return out
 
 
 def _prefixes(preset: Preset, reduced: Sequence[str]) -> list[str]:

@@ -10,15 +10,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..body import forward_kinematics as fk
+from ..body.edit import resample
+from ..body.motion import Motion
+from ..body.skeleton import SIDES, Skeleton
 from ..errors import InputError
-from ..maths import kinematics, quat
+from ..maths import quat
 from . import checks
-from .body import UNITS, Body, find_unit, find_up, reduce_to_body, with_toes
 from .bvh import BvhFile, read_bvh
-from .edit import resample
 from .floor import SOLE, floor_height, is_floor, standing_height
+from .raw_body import UNITS, RawBody, find_unit, find_up, reduce_to_body, with_toes
 from .roles import match_roles
-from .skeleton import SIDES, Motion, Skeleton, Take
+from .take import Take
 from .tpose import FORWARD, NEAR, looks_like_tpose, tpose_rotations
 from .typical import typical_pose
 
@@ -87,13 +90,13 @@ def frame_rate(frame_time: float) -> float:
     return whole if abs(whole * frame_time - 1.0) < 1e-4 else 1.0 / frame_time
 
 
-def to_motion(body: Body, tpose: Array, fps: float) -> Motion:
+def to_motion(body: RawBody, tpose: Array, fps: float) -> Motion:
     """Rotations since T-pose: a change of basis that moves no joint. The hips' own offset is left at 0."""
     offsets = quat.rotate(tpose[np.maximum(body.parents, 0)], body.offsets)
     offsets[0] = 0.0
     since = quat.multiply(body.rotations, quat.conjugate(tpose))
     skeleton = Skeleton(body.names, body.parents, offsets, body.roles, quat.rotate(tpose, body.tips))
-    rotations = kinematics.local_rotations(since, body.parents)
+    rotations = fk.local_rotations(since, body.parents)
     return Motion(skeleton, fps, body.positions[:, 0], rotations)
 
 
@@ -105,7 +108,7 @@ class _Notes:
     doubts: list[str] = field(default_factory=list[str])
 
 
-def _read_body(bvh: BvhFile, notes: _Notes) -> Body:
+def _read_body(bvh: BvhFile, notes: _Notes) -> RawBody:
     """The humanoid's joints in metres and Z up."""
     try:
         match = match_roles(bvh.names, bvh.parents)
@@ -140,7 +143,7 @@ def _read_body(bvh: BvhFile, notes: _Notes) -> Body:
     return body
 
 
-def _check_size(body: Body, file: str) -> None:
+def _check_size(body: RawBody, file: str) -> None:
     """Refuse bodies whose limbs have no length or whose legs are one."""
     least = 1e-3 * float(np.linalg.norm(body.offsets[1:], axis=-1).sum())
     for side in SIDES:
@@ -155,7 +158,7 @@ def _check_size(body: Body, file: str) -> None:
         raise InputError(f"{file}: both legs start at the same place; export anew")
 
 
-def _first_frame(body: Body, fps: float, notes: _Notes) -> tuple[int, bool]:
+def _first_frame(body: RawBody, fps: float, notes: _Notes) -> tuple[int, bool]:
     """How many frames to cut at the start, and whether the first one shows a T-pose."""
     if not looks_like_tpose(body.roles, body.positions[0], _TPOSE_FRAME):
         return 0, False
@@ -171,7 +174,7 @@ def _first_frame(body: Body, fps: float, notes: _Notes) -> tuple[int, bool]:
     return cut, True
 
 
-def _find_tpose(body: Body, first_frame: bool, cut: int, fps: float, notes: _Notes) -> Array:
+def _find_tpose(body: RawBody, first_frame: bool, cut: int, fps: float, notes: _Notes) -> Array:
     """Global rotations in T-pose, from the zero pose, a first frame in T-pose or the data."""
     up = quat.conjugate(quat.from_axis("X", np.pi / 2 if notes.found.pop("axes") == "Y" else 0.0))
     zero = np.repeat(quat.conjugate(up)[None], len(body.names), axis=0)

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..body.skeleton import ARM, LEG, SIDES, SPINE
 from ..maths import quat
-from .skeleton import ARM, LEG, SIDES, SPINE
 
 Array = NDArray[np.floating[Any]]
 

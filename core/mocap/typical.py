@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..body.skeleton import SIDES
 from ..maths import angles, kinematics, quat
-from .body import Body
-from .skeleton import SIDES
+from .raw_body import RawBody
 
 Array = NDArray[np.floating[Any]]
 
@@ -21,7 +21,7 @@ _PLANTED = 0.25
 """m/s: a foot slower than this stands."""
 
 
-def typical_pose(body: Body, fps: float) -> Array | None:
+def typical_pose(body: RawBody, fps: float) -> Array | None:
     """Global rotations `(J, 4)` of the body's mean pose while upright, facing +Y; None for a single frame.
 
     Each joint has its mean rotation against its parent (chordal mean, Markley et al. 2007), the hips their

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..body.standing import standing_height
 from ..maths import kinematics, quat
-from ..mocap.standing import standing_height
 from .recording import Mounts
 from .timeline import Samples
 

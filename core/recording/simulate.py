@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..body.motion import Motion
+from ..body.standing import standing_head_height
 from ..errors import InputError
 from ..maths import quat
-from ..mocap.skeleton import Motion
-from ..mocap.standing import standing_head_height
 from .mounts import SIMULATED_MOUNTS
 from .recording import TRACKER_ROLES, TRACKERS, Mounts, Recording
 

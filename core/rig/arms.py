@@ -12,12 +12,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..maths import filters, quat
+from ..body import two_bone
+from ..body.motion import Motion
+from ..body.pose import with_world_rotations, world_poses
+from ..body.skeleton import SIDES
+from ..body.trunk import spine
+from ..maths import angles, filters, quat
+from ..maths.easing import smoothstep
 from ..maths.vectors import across, cross, dot, norm, plane, unit
-from ..mocap.skeleton import SIDES, Motion
-from . import two_bone, validity
-from .pose import with_world_rotations, world_positions, world_rotations
-from .retarget import spine
+from . import validity
 
 Array = NDArray[np.floating[Any]]
 
@@ -55,8 +58,7 @@ def reach_hands(
     """
     unreachable = np.zeros((len(motion), 2), np.bool_)
     ends = [motion.skeleton.joint(f"hand.{side}") for side in SIDES]
-    turns = world_rotations(motion, [*ends, spine(motion.skeleton)[-1]])
-    world = world_positions(motion, turns), turns
+    world = world_poses(motion, [*ends, spine(motion.skeleton)[-1]])
     for i in range(2):
         if valid[:, i].any():
             motion, missed = _reach(motion, world, i, positions[:, i], rotations[:, i], valid[:, i])
@@ -166,11 +168,10 @@ def _twisted(forearm: Array, along: Array, hand: Array) -> Array:
     """The forearm's rotation `(T, 4)` with its share of the hand's twist about `along` `(T, 3)`."""
     axis = unit(along)
     turn = quat.multiply(hand, quat.conjugate(forearm))
-    twist = 2.0 * np.arctan2(dot(turn[:, 1:], axis), turn[:, 0])
-    twist = (twist + np.pi) % (2.0 * np.pi) - np.pi
+    twist = angles.wrap(2.0 * np.arctan2(dot(turn[:, 1:], axis), turn[:, 0]))
     # at half a turn the side of the twist is open: the share fades out lest the forearm flips
     t = np.clip((np.pi - np.abs(twist)) / np.radians(60.0), 0.0, 1.0)
-    share = _TWIST_SHARE * t * t * (3.0 - 2.0 * t)
+    share = _TWIST_SHARE * smoothstep(t)
     return quat.multiply(quat.from_rotation_vector(axis * (share * twist)[:, None]), forearm)
 
 

@@ -8,22 +8,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..mocap.skeleton import Motion, Skeleton
-from ..recording.body import joint_targets
+from ..body.motion import Motion
+from ..body.retarget import retarget
+from ..body.skeleton import Skeleton
 from ..recording.recording import Recording
+from ..recording.targets import joint_targets
 from ..settings import BakeSettings
 from .arms import reach_hands
 from .feet import place_feet, plan_feet
 from .ground import Footing, Ground, stand
 from .head import place_head
-from .retarget import retarget
 
 Array = NDArray[np.floating[Any]]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class AvatarResult:
-    """The avatar, and what it was to reach."""
+    """The avatar, and what it could not reach."""
 
     motion: Motion
     """On the rig's skeleton, world metres."""
@@ -31,12 +32,6 @@ class AvatarResult:
     """`(T, 2)` left, right foot on the ground; with foot lock the frames in which its toe stands still."""
     unreachable: NDArray[np.bool_]
     """`(T, 2)` left, right hand tracked but out of reach."""
-    targets: Array
-    """`(T, 3, 3)` where the head, left and right hand joints should be, metres."""
-    target_rotations: Array
-    """`(T, 3, 4)` their world rotations since T-pose."""
-    valid: NDArray[np.bool_]
-    """`(T, 3)` whether each was tracked."""
     footing: Footing | None = None
     """What a scene's ground does to the body; None on a flat floor."""
 
@@ -81,4 +76,4 @@ def animate(
     unreachable = np.zeros(contacts.shape, np.bool_)
     if settings.arms:
         body, unreachable = reach_hands(body, targets[:, 1:], rotations[:, 1:], recording.valid[:, 1:])
-    return AvatarResult(body, standing, unreachable, targets, rotations, recording.valid, footing)
+    return AvatarResult(body, standing, unreachable, footing)

@@ -14,12 +14,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..database.contacts import toe_places
+from ..body import heel, two_bone
+from ..body.legs import Leg, legs_of
+from ..body.motion import Motion
+from ..body.pose import with_world_rotations, world_poses
 from ..maths import quat
+from ..maths.easing import smoothstep
 from ..maths.vectors import dot, level, norm, unit
-from ..mocap.skeleton import SIDES, Motion, Skeleton
-from . import footsteps, heel, locks, two_bone
-from .pose import with_world_rotations, world_positions, world_rotations
+from . import footsteps, locks
 
 Array = NDArray[np.floating[Any]]
 
@@ -32,8 +34,6 @@ _FOLLOW, _SOFT_RISE = 0.5, 0.02
 begins."""
 _FREE_S = 0.2
 """Seconds after a foot leaves the floor, and before it is back, in which both begin and end."""
-_TIP = 0.5
-"""Length of a toe whose end is unknown, as a share of the way over the ground from ankle to toe joint."""
 _FORWARD, _UP = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
 
 
@@ -74,11 +74,10 @@ def plan_feet(
         body: the motion whose hips the legs will hang from; `motion` by default.
     """
     skeleton = motion.skeleton
-    legs = leg_joints(skeleton)
+    legs = legs_of(skeleton)
     body = motion if body is None else body
-    hips = world_positions(body, world_rotations(body, [leg.thigh for leg in legs]))
-    rotations = world_rotations(motion, [leg.end for leg in legs])
-    positions = world_positions(motion, rotations)
+    hips, _ = world_poses(body, [leg.thigh for leg in legs])
+    positions, rotations = world_poses(motion, [leg.end for leg in legs])
     paths = [positions[leg.end] + quat.rotate(rotations[leg.end], leg.shift) for leg in legs]
     plants = footsteps.plan_plants(paths, contacts, _loads(hips, paths, legs), unlock_distance, motion.fps)
     held = np.zeros_like(contacts)
@@ -111,9 +110,8 @@ def place_feet(motion: Motion, plan: FootPlan) -> Motion:
     still too short is straight towards the toe. On the ground of a scene all this is done as if upright was
     across the slope, the toe as high over the slope as the plan has it over the floor.
     """
-    legs = leg_joints(motion.skeleton)
-    rotations = world_rotations(motion, [leg.end for leg in legs])
-    positions = world_positions(motion, rotations)
+    legs = legs_of(motion.skeleton)
+    positions, rotations = world_poses(motion, [leg.end for leg in legs])
     wanted: dict[int, Array] = {}
     for side, leg in enumerate(legs):
         toes, hips = plan.toes[:, side], positions[leg.thigh]
@@ -139,33 +137,6 @@ def place_feet(motion: Motion, plan: FootPlan) -> Motion:
         if leg.end != leg.foot:
             wanted[leg.end] = tip
     return with_world_rotations(motion, wanted)
-
-
-class Leg:
-    """Joints and measures of a leg in T-pose, metres."""
-
-    def __init__(self, skeleton: Skeleton, side: int) -> None:
-        parts = [skeleton.joint(f"{part}.{SIDES[side]}") for part in ("thigh", "shin", "foot")]
-        self.thigh, self.shin, self.foot = parts
-        joints, shifts = toe_places(skeleton)
-        self.end, self.shift = int(joints[side]), shifts[side]
-        """The toe joint, or the foot where there is none, and the way from it to what stands for the toe."""
-        standing = skeleton.tpose_positions()
-        toe = standing[self.end] + self.shift
-        self.to_toe = toe - standing[self.foot]
-        self.height = max(float(toe[2]), 0.0)
-        self.length = float(np.linalg.norm(np.diff(standing[parts], axis=0), axis=-1).sum())
-        tip = skeleton.tips[self.end]
-        self.tip = tip if np.linalg.norm(tip) > 5e-3 else _TIP * self.to_toe[1] * _FORWARD
-        self.to_tip = self.tip if self.end != self.foot else np.zeros(3)
-        """From the toe to the end of the foot, as far as joints tell."""
-        self.heel = np.array([0.0, -heel.heel_behind(self.to_toe), -self.height])
-        """From the toe to where the heel is on the floor."""
-
-
-def leg_joints(skeleton: Skeleton) -> list[Leg]:
-    """The left and the right leg."""
-    return [Leg(skeleton, side) for side in range(2)]
 
 
 def _within_reach(found: list[locks.Lock], pitch: heel.Pitch, hips: Array, leg: Leg) -> list[locks.Lock]:
@@ -206,7 +177,7 @@ def _freedom(held: NDArray[np.bool_], blend: float) -> Array:
     right, left = edges[after] - frames, frames - edges[after - 1]
     ramp = np.minimum(0.5 * (left + right), blend)
     t = np.clip(np.where(held, 0.0, np.minimum(left, right)) / ramp, 0.0, 1.0)
-    return t * t * (3.0 - 2.0 * t) * (ramp / blend)
+    return smoothstep(t) * (ramp / blend)
 
 
 def _pull(path: Array, pitch: heel.Pitch, hips: Array, leg: Leg) -> Array:

@@ -15,10 +15,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..body import hierarchy
+from ..body.edit import resample
+from ..body.motion import Motion
+from ..body.skeleton import CENTRE_ROLES, REQUIRED_ROLES, ROLES, SIDES, Skeleton
 from ..errors import InputError
-from ..maths import kinematics, quat
-from ..mocap.edit import resample
-from ..mocap.skeleton import CENTRE_ROLES, REQUIRED_ROLES, ROLES, SIDES, Motion, Skeleton
+from ..maths import quat
 from ..mocap.tpose import tpose_rotations
 from .rig import BoneTracks, Rig
 
@@ -125,24 +127,6 @@ def to_bone_tracks(motion: Motion, fit: RigFit, fps: float) -> BoneTracks:
     return BoneTracks(names, motion.fps, locations, _shortest(quat.continuous(basis[:, keyed])))
 
 
-def bone_tracks_to_motion(tracks: BoneTracks, fit: RigFit) -> Motion:
-    """The motion on `fit.skeleton` that keyed channels show: the inverse of `to_bone_tracks`."""
-    skeleton = fit.skeleton
-    basis = np.zeros((len(tracks.locations), len(skeleton), 4))
-    basis[..., 0] = 1.0
-    basis[:, [skeleton.names.index(name) for name in tracks.bones]] = tracks.rotations
-    pose = np.empty_like(basis)
-    pose[:, 0] = quat.multiply(fit.rest[0], basis[:, 0])
-    for j in range(1, len(skeleton)):
-        p = skeleton.parents[j]
-        hang = quat.multiply(quat.conjugate(fit.rest[p]), fit.rest[j])
-        pose[:, j] = quat.multiply(quat.multiply(pose[:, p], hang), basis[:, j])
-    since_tpose = quat.multiply(quat.multiply(fit.turn, pose), quat.conjugate(fit.tpose))
-    heads = fit.rig.rest[fit.bones[0], :3, 3] + quat.rotate(fit.rest[0], tracks.locations)
-    rotations = kinematics.local_rotations(since_tpose, skeleton.parents)
-    return Motion(skeleton, tracks.fps, fit.to_world(heads), rotations)
-
-
 def _shortest(rotations: Array) -> Array:
     """Continuous quaternions `(T, K, 4)` with the sign that lies nearer to rest at the first frame."""
     return np.where(rotations[:1, :, :1] < 0.0, -rotations, rotations)
@@ -176,18 +160,13 @@ def _joints(rig: Rig) -> list[int]:
     if missing:
         raise InputError(f"{rig.name}: no bone for {', '.join(missing)}; complete the bone map")
     hips = rig.roles.index("hips")
-    wanted = {hips}
-    for bone, role in enumerate(rig.roles):
-        chain: list[int] = []
-        walk = bone if role else hips
-        while walk not in wanted:
-            chain.append(walk)
-            walk = int(rig.parents[walk])
-            if walk < 0:
-                where = f"bone {rig.bones[bone]} ({role}) is not below the hips bone {rig.bones[hips]}"
-                raise InputError(f"{rig.name}: {where}; correct the bone map")
-        wanted.update(chain)
-    return sorted(wanted)
+    named = [bone for bone, role in enumerate(rig.roles) if role]
+    for bone in named:
+        if bone != hips and hips not in hierarchy.above(rig.parents, bone):
+            where = f"bone {rig.bones[bone]} ({rig.roles[bone]}) is not below the hips bone {rig.bones[hips]}"
+            raise InputError(f"{rig.name}: {where}; correct the bone map")
+    over = hierarchy.above(rig.parents, hips)
+    return [bone for bone in hierarchy.with_ancestors(rig.parents, named) if bone not in over]
 
 
 def _tips(rig: Rig, bones: list[int]) -> Array:

@@ -14,12 +14,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..body import heel
+from ..body.legs import Leg, legs_of
+from ..body.motion import Motion
+from ..body.pose import world_poses
 from ..maths import filters, quat
+from ..maths.easing import smootherstep
 from ..maths.vectors import dot, level, norm, unit
-from ..mocap.skeleton import Motion
-from . import heel
-from .feet import FootPlan, Leg, leg_joints
-from .pose import world_positions, world_rotations
+from .feet import FootPlan
 
 Array = NDArray[np.floating[Any]]
 Flags = NDArray[np.bool_]
@@ -96,7 +98,7 @@ def stand(body: Motion, plan: FootPlan, contacts: Flags, ground: Ground) -> tupl
     """
     toes = plan.toes.copy()
     heights, tilts = np.empty(contacts.shape), np.empty((*contacts.shape, 4))
-    for side, leg in enumerate(leg_joints(body.skeleton)):
+    for side, leg in enumerate(legs_of(body.skeleton)):
         foot = _Foot(plan.toes[:, side], plan.rotations[:, side], leg)
         knots = _stands(foot, contacts[:, side], ground, body.fps)
         moved, tilts[:, side] = knots.shift(), knots.tilt()
@@ -158,7 +160,7 @@ class _Knots:
 
     def _between(self, values: Array) -> Array:
         before, after = values[self.before], values[self._after]
-        return before + _ease(self.passed)[:, None] * (after - before)
+        return before + smootherstep(self.passed)[:, None] * (after - before)
 
     @property
     def _after(self) -> NDArray[np.intp]:
@@ -198,12 +200,7 @@ class _Knots:
         """Heights `(T,)` without arcs, changing within a share of the time in the air."""
         start, change = self.level[self.before], (self.level[self._after] - self.level[self.before])
         early, late = self.passed / share, (self.passed - 1.0 + share) / share
-        return start + change * _ease(np.clip(np.where(change > 0.0, early, late), 0.0, 1.0))
-
-
-def _ease(t: Array) -> Array:
-    """From 0 to 1 without velocity and acceleration at the ends."""
-    return t**3 * (10.0 - 15.0 * t + 6.0 * t**2)
+        return start + change * smootherstep(np.clip(np.where(change > 0.0, early, late), 0.0, 1.0))
 
 
 def _stands(foot: _Foot, contacts: Flags, ground: Ground, fps: float) -> _Knots:
@@ -293,8 +290,8 @@ def _lift(body: Motion, plan: FootPlan) -> Array:
     """The smoothed lower one of both feet's heights `(T,)`, less where a leg would not reach."""
     assert plan.heights is not None and plan.tilts is not None
     lift = filters.gaussian(plan.heights.min(axis=-1), _LIFT_S * body.fps)
-    legs = leg_joints(body.skeleton)
-    hips = world_positions(body, world_rotations(body, [leg.thigh for leg in legs]))
+    legs = legs_of(body.skeleton)
+    hips, _ = world_poses(body, [leg.thigh for leg in legs])
     excess = np.zeros(len(body))
     for side, leg in enumerate(legs):
         toes = plan.toes[:, side]

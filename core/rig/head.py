@@ -14,12 +14,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..body import forward_kinematics as fk
+from ..body import hierarchy
+from ..body.motion import Motion
+from ..body.pose import with_world_rotations
+from ..body.trunk import neck, pelvis, spine
 from ..maths import filters, quat
+from ..maths.easing import smoothstep
 from ..maths.vectors import dot, norm
-from ..mocap.skeleton import Motion
 from . import validity
-from .pose import with_world_rotations
-from .retarget import neck, path, pelvis, spine
 
 Array = NDArray[np.floating[Any]]
 
@@ -75,7 +78,7 @@ def place_head(
         return motion, np.zeros((len(motion), 2))
     chain = _Chain(motion)
     weight = validity.weights(valid, motion.fps)[:, None]
-    turn = quat.multiply(rotations, quat.conjugate(chain.rotations[-1]))
+    turn = quat.multiply(rotations, quat.conjugate(chain.rotations[:, -1]))
     turn = quat.to_rotation_vector(validity.carry_rotations(turn, valid)) * weight
     away = validity.carry(positions - chain.head(), valid) * weight
     target = chain.head() + away
@@ -93,7 +96,7 @@ def place_head(
     chain.steady(_shaking(error[:, :2], motion.fps), _CARRY_S * motion.fps)
     hips = motion.positions + target - chain.head()
     hips[:, 2] = np.maximum(hips[:, 2], np.minimum(_lowest(motion), motion.positions[:, 2]))
-    joints = dict(zip(chain.joints, chain.rotations, strict=True))
+    joints = {joint: chain.rotations[:, k] for k, joint in enumerate(chain.joints)}
     return with_world_rotations(motion, joints, hips), moved
 
 
@@ -102,27 +105,23 @@ class _Chain:
 
     def __init__(self, motion: Motion) -> None:
         skeleton = motion.skeleton
-        self.joints = path(skeleton, 0, skeleton.joint("head"))
-        self.offsets = skeleton.offsets[self.joints]
+        self.joints = hierarchy.path(skeleton.parents, 0, skeleton.joint("head"))
+        self._offsets = skeleton.offsets[self.joints]
+        self._parents = np.arange(len(self.joints)) - 1
         self.pelvis = len(pelvis(skeleton))
         self.chest = self.joints.index(spine(skeleton)[-1])
         self.necks = len(neck(skeleton))
         self.hips = motion.positions
-        self.rotations: list[Array] = []
-        for joint in self.joints:
-            local = motion.rotations[:, joint]
-            self.rotations.append(quat.multiply(self.rotations[-1], local) if self.rotations else local)
+        self.rotations = fk.global_rotations(motion.rotations[:, self.joints], self._parents)
+        """`(T, K, 4)`."""
 
-    def places(self) -> list[Array]:
-        """World positions `(T, 3)` of the joints, the hips where the motion has them."""
-        out = [self.hips]
-        for rotation, offset in zip(self.rotations, self.offsets[1:], strict=False):
-            out.append(out[-1] + quat.rotate(rotation, offset))
-        return out
+    def places(self) -> Array:
+        """World positions `(T, K, 3)` of the joints, the hips where the motion has them."""
+        return fk.joint_positions(self.hips, self.rotations, self._offsets, self._parents)
 
     def head(self) -> Array:
         """World position `(T, 3)` of the head joint."""
-        return self.places()[-1]
+        return self.places()[:, -1]
 
     def turn_head(self, vector: Array) -> None:
         """Turn the head by rotation vectors `(T, 3)` in the world, and what carries it by shares of them."""
@@ -141,19 +140,20 @@ class _Chain:
     def straighten(self, height: Array) -> None:
         """Draw spine and neck up to raise the head by `height` `(T,)`, as far as they are not straight
         already."""
-        before, given = self.head()[:, 2], list(self.rotations)
+        before, given = self.head()[:, 2], self.rotations.copy(order="F")
         inner = range(self.pelvis, len(self.joints) - 1)
         for i in inner:
-            self.rotations[i] = quat.multiply(quat.between(quat.rotate(given[i], _UP), _UP), given[i])
+            upright = quat.between(quat.rotate(given[:, i], _UP), _UP)
+            self.rotations[:, i] = quat.multiply(upright, given[:, i])
         gain = np.maximum(self.head()[:, 2] - before, 0.0)
         share = np.clip(height / np.maximum(gain, 1e-3), 0.0, _UPRIGHT)
         for i in inner:
-            self.rotations[i] = quat.slerp(given[i], self.rotations[i], share)
+            self.rotations[:, i] = quat.slerp(given[:, i], self.rotations[:, i], share)
 
     def stoop(self, angle: Array) -> None:
         """Bend the trunk forward by angles `(T,)`, half in the hips, the rest along the spine; neck and
         head stay."""
-        right = quat.rotate(self.rotations[0], np.array([1.0, 0.0, 0.0])) * np.array([1.0, 1.0, 0.0])
+        right = quat.rotate(self.rotations[:, 0], np.array([1.0, 0.0, 0.0])) * np.array([1.0, 1.0, 0.0])
         right /= np.maximum(norm(right)[:, None], 1e-9)
         for i in range(self.chest + 1):
             share = 0.5 + 0.5 * max(i - self.pelvis + 1, 0) / max(self.chest - self.pelvis + 1, 1)
@@ -166,15 +166,15 @@ class _Chain:
         if count < 1:
             return np.zeros_like(way)
         places = self.places()
-        top = places[self.chest + 1][:, 2]
-        levers = sum(top - places[i][:, 2] for i in range(self.pelvis, self.chest + 1))
+        top = places[:, self.chest + 1, 2]
+        levers = (top[:, None] - places[:, self.pelvis : self.chest + 1, 2]).sum(axis=1)
         total = norm(way) * count / np.maximum(levers, 0.2)
         axis = np.stack([-way[:, 1], way[:, 0], np.zeros(len(way))], axis=-1)
         axis /= np.maximum(norm(axis)[:, None], 1e-9)
         vector = axis * (_BEND * np.tanh(total / _BEND))[:, None]
         for i in range(self.pelvis, self.chest + 1):
             self._rotate(i, vector * ((i - self.pelvis + 1) / count))
-        return (places[-1] - self.head())[:, :2]
+        return (places[:, -1] - self.head())[:, :2]
 
     def steady(self, share: Array, frames: float) -> None:
         """Bend the spine so that a `share` `(T,)` of the way over the ground from hips to head is as under a
@@ -186,13 +186,14 @@ class _Chain:
             self.bend(wanted - (self.head() - self.hips)[:, :2])
 
     def _rotate(self, index: int, vector: Array) -> None:
-        self.rotations[index] = quat.multiply(quat.from_rotation_vector(vector), self.rotations[index])
+        turn = quat.from_rotation_vector(vector)
+        self.rotations[:, index] = quat.multiply(turn, self.rotations[:, index])
 
 
 def _fade(angle: Array) -> Array:
     """1 up to 110 degrees, 0 at 180."""
     t = np.clip((np.pi - angle) / np.radians(70.0), 0.0, 1.0)
-    return t * t * (3.0 - 2.0 * t)
+    return smoothstep(t)
 
 
 def _shaking(error: Array, fps: float) -> Array:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..maths.easing import smootherstep
 from .footsteps import SHORTEST_S, Flags, Spans, frames_of
 
 Array = NDArray[np.floating[Any]]
@@ -229,7 +230,7 @@ def _curve(
     """
     frames = np.arange(max(first + 1, 0), min(last, len(out)))
     t = ((frames - first) / (last - first))[:, None]
-    passed = t**3 * (10.0 - 15.0 * t + 6.0 * t**2)
+    passed = smootherstep(t)
     out[frames] = (1.0 - passed) * start[0] + passed * end[0]
     length = min(float(last - first), slopes)
     for slope, away in ((start[1], frames - first), (-end[1], last - frames)):

@@ -27,7 +27,7 @@ class Rig:
     world: Array
     """`(4, 4)` the object's `matrix_world`: uniform scale, rotation, place."""
     roles: tuple[str, ...]
-    """`(B,)` humanoid role of each bone, "" for none (see `core.mocap.skeleton.ROLES`)."""
+    """`(B,)` humanoid role of each bone, "" for none (see `core.body.skeleton.ROLES`)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..maths import quat
+from ..maths.easing import smoothstep
 
 Array = NDArray[np.floating[Any]]
 
@@ -25,7 +26,7 @@ def weights(valid: NDArray[np.bool_], fps: float, seconds: float = BLEND_S) -> A
     right = np.abs(known[np.minimum(after, len(known) - 1)] - frames)
     left = np.abs(frames - known[np.maximum(after - 1, 0)])
     t = np.clip(1.0 - np.minimum(left, right) / (seconds * fps + 1.0), 0.0, 1.0)
-    return t * t * (3.0 - 2.0 * t)
+    return smoothstep(t)
 
 
 def carry(values: Array, valid: NDArray[np.bool_]) -> Array:

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import bpy
 import numpy as np
+from footwork.core.body.motion import Motion
+from footwork.core.body.skeleton import Skeleton
 from footwork.core.maths import quat
-from footwork.core.mocap.skeleton import Motion, Skeleton
 
 
 def skeleton() -> Skeleton:

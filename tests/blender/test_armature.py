@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from footwork.bridge import armature
 from footwork.bridge.action import write_action
+from footwork.core.body.retarget import retarget
 from footwork.core.errors import InputError
 from footwork.core.rig.fit import fit_rig, rig_from_skeleton, to_bone_tracks
-from footwork.core.rig.retarget import retarget
 from footwork.core.rig.rig import Rig
 
 

@@ -17,7 +17,7 @@ import pytest
 from footwork.core.errors import InputError
 from footwork.core.jobs import run
 from footwork.core.mocap.demo import demo_motion
-from footwork.core.mocap.skeleton import Take
+from footwork.core.mocap.take import Take
 from footwork.nn import train
 from footwork.nn.checkpoint import (
     Checkpoint,

@@ -7,9 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from footwork.core.body.motion import Motion
 from footwork.core.maths import quat
 from footwork.core.mocap.demo import demo_motion
-from footwork.core.mocap.skeleton import Motion, Take
+from footwork.core.mocap.take import Take
 from footwork.core.recording.simulate import simulate_recording
 from footwork.nn.evaluate import errors_in_words, evaluate_predictors, hands_and_head, summary, yaw_errors
 from footwork.nn.predictor import shipped_predictors

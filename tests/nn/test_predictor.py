@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from footwork.core.maths import angles, quat
 from footwork.core.mocap.demo import demo_motion
-from footwork.core.recording.body import joint_targets, scale
 from footwork.core.recording.mounts import DEVICE_MOUNTS
 from footwork.core.recording.recording import Recording
 from footwork.core.recording.resample import resample
 from footwork.core.recording.simulate import simulate_recording
+from footwork.core.recording.targets import joint_targets, scale
 from footwork.nn.evaluate import yaw_errors
 from footwork.nn.inputs import RATE
 from footwork.nn.predictor import hmd_forward, predict, run_recurrent, shipped_predictors

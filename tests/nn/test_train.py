@@ -11,7 +11,7 @@ from footwork.core.database.virtual_root import virtual_root
 from footwork.core.errors import InputError
 from footwork.core.jobs import run
 from footwork.core.mocap.demo import demo_motion
-from footwork.core.mocap.skeleton import Take
+from footwork.core.mocap.take import Take
 from footwork.nn import train
 from footwork.nn.inputs import INPUTS, headings, sixd_to_yaw, tracker_inputs, turn_sixd, yaw_to_sixd
 from footwork.nn.network import Network

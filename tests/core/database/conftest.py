@@ -6,12 +6,13 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from footwork.core.body.motion import Motion
 from footwork.core.database.build import build_database
 from footwork.core.database.motion_database import MotionDatabase
 from footwork.core.jobs import run
 from footwork.core.maths import quat
 from footwork.core.mocap.demo import demo_motion, demo_skeleton
-from footwork.core.mocap.skeleton import Motion, Take
+from footwork.core.mocap.take import Take
 from footwork.core.settings import DatabaseSettings
 
 Glide = Callable[..., Motion]

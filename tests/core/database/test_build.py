@@ -8,16 +8,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 from footwork.core import VERSION
+from footwork.core.body.edit import cut
 from footwork.core.database.build import build_database
 from footwork.core.database.clips import Exclusion
-from footwork.core.database.describe import headset_heights
+from footwork.core.database.describe import describe_database
 from footwork.core.database.motion_database import MotionDatabase
 from footwork.core.database.sidecar import save_database
 from footwork.core.errors import InputError
 from footwork.core.jobs import run
 from footwork.core.matching.selection import check_databases
 from footwork.core.mocap.demo import demo_motion
-from footwork.core.mocap.edit import cut
 from footwork.core.settings import DatabaseSettings
 
 
@@ -219,8 +219,8 @@ def test_variants_go_with_the_upright_database(as_take) -> None:
         assert variant.eye_height == upright.eye_height
         assert json.loads(variant.provenance["settings"])["body_height"] == share
         np.testing.assert_array_equal(variant.poses.contacts, upright.poses.contacts)
-        heights = [np.median(headset_heights(database)) for database in (upright, variant)]
-        assert heights[1] / heights[0] == pytest.approx(share, abs=0.01)
+        told = [describe_database(database)["headset_height_ratio"] for database in (upright, variant)]
+        assert told[1]["median"] / told[0]["median"] == pytest.approx(share, abs=0.01)
     # what a person says of the range counts
     said = build(takes, body_height=0.7, height_low=0.6, height_high=0.9)
     assert said.height_range == (0.6, 0.9)

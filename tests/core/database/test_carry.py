@@ -3,10 +3,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from footwork.core.body import forward_kinematics as fk
+from footwork.core.body.motion import Motion
+from footwork.core.body.skeleton import Skeleton
 from footwork.core.database.carry import carry_over, tpose_turns
-from footwork.core.maths import kinematics, quat
+from footwork.core.maths import quat
 from footwork.core.mocap.demo import demo_motion, demo_skeleton
-from footwork.core.mocap.skeleton import Motion, Skeleton
 from scipy.spatial.transform import Rotation
 
 RNG = np.random.default_rng(8)
@@ -22,9 +24,7 @@ def read_again(motion: Motion, degrees: float) -> tuple[Motion, np.ndarray]:
     tips[:] = quat.rotate(wxyz, skeleton.tips)
     rotations = quat.multiply(motion.forward()[1], quat.conjugate(wxyz))
     other = Skeleton(skeleton.names, skeleton.parents, offsets, skeleton.roles, tips)
-    told = Motion(
-        other, motion.fps, motion.positions, kinematics.local_rotations(rotations, skeleton.parents)
-    )
+    told = Motion(other, motion.fps, motion.positions, fk.local_rotations(rotations, skeleton.parents))
     return told, wxyz
 
 

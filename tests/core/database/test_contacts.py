@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from footwork.core.database.contacts import find_contacts, resample_contacts, toe_places, toe_positions
+from footwork.core.body.toes import toe_places, toe_positions
+from footwork.core.database.contacts import find_contacts, resample_contacts
 from footwork.core.mocap.demo import demo_motion, demo_skeleton
 
 

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 from footwork.core.database.build import build_database
-from footwork.core.database.describe import describe_database, headset_heights, suggest_height_range
+from footwork.core.database.describe import describe_database
 from footwork.core.database.motion_database import MotionDatabase
 from footwork.core.jobs import run
 from footwork.core.maths import quat
@@ -90,15 +90,22 @@ def test_contents(small: MotionDatabase) -> None:
 def test_headset_heights_are_the_simulated_headsets(as_take) -> None:
     motion = demo_motion("crouch")
     database = build(as_take(motion, "crouch"))
+    told = describe_database(database)["headset_height_ratio"]
     positions, rotations = motion.forward()
     head = motion.skeleton.names.index("Head")
     expected = positions[:, head] + quat.rotate(rotations[:, head], SIMULATED_MOUNTS.offsets[0])
-    np.testing.assert_allclose(headset_heights(database), expected[:, 2], atol=1e-5)
+    ratios = expected[:, 2] / database.eye_height
+    for name, share in (("min", 0.0), ("p5", 5.0), ("median", 50.0), ("p95", 95.0), ("max", 100.0)):
+        assert told[name] == pytest.approx(np.percentile(ratios, share), abs=1e-4)
+
+
+def suggested(database: MotionDatabase) -> list[float]:
+    return describe_database(database)["suggested_height_range"]
 
 
 def test_suggested_height_ranges(as_take) -> None:
-    crouch = suggest_height_range(build(as_take(demo_motion("crouch"), "crouch")))
-    walk = suggest_height_range(build(as_take(demo_motion("walk"), "walk")))
+    crouch = suggested(build(as_take(demo_motion("crouch"), "crouch")))
+    walk = suggested(build(as_take(demo_motion("walk"), "walk")))
     # the demo crouches by 36 to 38 % of the hips' height, a quarter of the headset's
     assert 0.65 < crouch[0] < crouch[1] < 0.85
     assert 0.85 < walk[0] < walk[1] <= 1.02

@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from footwork.core.body.edit import mirror
+from footwork.core.body.motion import Motion
 from footwork.core.database.features import clip_features, horizon_frames, normalize_features
 from footwork.core.database.motion_database import FEATURE_GROUPS
 from footwork.core.database.virtual_root import virtual_root
 from footwork.core.maths import quat
 from footwork.core.mocap.demo import demo_motion
-from footwork.core.mocap.edit import mirror
-from footwork.core.mocap.skeleton import Motion
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

@@ -6,15 +6,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from footwork.core.database.contacts import find_contacts, toe_positions
+from footwork.core.body.edit import cut, mirror
+from footwork.core.body.motion import Motion
+from footwork.core.body.retarget import retarget
+from footwork.core.body.skeleton import SIDES, Skeleton
+from footwork.core.body.standing import standing_head_height
+from footwork.core.body.toes import toe_positions
+from footwork.core.database.contacts import find_contacts
 from footwork.core.database.variants import at_body_height, step_share, usual_height_range
 from footwork.core.errors import InputError
 from footwork.core.maths import quat
 from footwork.core.mocap.demo import demo_motion, demo_skeleton
-from footwork.core.mocap.edit import cut, mirror
-from footwork.core.mocap.skeleton import SIDES, Motion, Skeleton
-from footwork.core.mocap.standing import standing_head_height
-from footwork.core.rig.retarget import retarget
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation

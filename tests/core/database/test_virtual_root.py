@@ -1,9 +1,9 @@
 from __future__ import annotations
 
 import numpy as np
+from footwork.core.body.motion import Motion
 from footwork.core.database.virtual_root import to_root_space, virtual_root
 from footwork.core.maths import quat
-from footwork.core.mocap.skeleton import Motion
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy import signal

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from footwork.core import jobs
+from footwork.core.body.edit import cut
 from footwork.core.database.build import build_database
 from footwork.core.database.virtual_root import virtual_root
 from footwork.core.errors import InputError
@@ -14,8 +15,7 @@ from footwork.core.evaluation.experiments import EXPERIMENTS
 from footwork.core.evaluation.study import Experiment, Study, averaging, in_order, over_time
 from footwork.core.evaluation.words import experiment_in_words
 from footwork.core.mocap.demo import demo_motion
-from footwork.core.mocap.edit import cut
-from footwork.core.mocap.skeleton import Take
+from footwork.core.mocap.take import Take
 from footwork.core.recording.orientation import Orientation
 from footwork.core.settings import BakeSettings, DatabaseSettings
 

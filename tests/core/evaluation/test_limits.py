@@ -6,9 +6,9 @@ from typing import Any
 
 import pytest
 from footwork.core.errors import InputError
-from footwork.core.evaluation.catalogue import METRICS, get
 from footwork.core.evaluation.compare import compare_reports, comparison_in_words
 from footwork.core.evaluation.limits import failures, parse_limit
+from footwork.core.measure.catalogue import METRICS, get
 
 SKATE = {"mean": 2.5, "std": 1.0, "p95": 6.0, "max": 9.0, "count": 100}
 METRICS_NOW: dict[str, Any] = {

@@ -12,7 +12,7 @@ from footwork.core.database.motion_database import FEATURE_GROUPS, MotionDatabas
 from footwork.core.errors import InputError
 from footwork.core.evaluation.subset import reduce_database, van_der_corput
 from footwork.core.mocap.demo import demo_motion
-from footwork.core.mocap.skeleton import Take
+from footwork.core.mocap.take import Take
 from footwork.core.settings import DatabaseSettings
 
 

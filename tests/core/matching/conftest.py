@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 import pytest
+from footwork.core.body.skeleton import Skeleton
 from footwork.core.database.motion_database import (
     FEATURE_GROUPS,
     HORIZONS_S,
@@ -14,7 +15,6 @@ from footwork.core.database.motion_database import (
     MotionDatabase,
     PoseDatabase,
 )
-from footwork.core.mocap.skeleton import Skeleton
 from scipy.spatial.transform import Rotation
 
 ROLES = ("hips", "spine1", "head", "thigh.L", "shin.L")

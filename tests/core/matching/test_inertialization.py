@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from footwork.core.body.motion import Motion
 from footwork.core.database.motion_database import MotionDatabase
 from footwork.core.jobs import run
 from footwork.core.matching.inertialization import assemble
 from footwork.core.matching.playback import Playback, match
 from footwork.core.matching.trajectory import make_trajectory
-from footwork.core.mocap.skeleton import Motion
 from footwork.core.settings import BakeSettings
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation

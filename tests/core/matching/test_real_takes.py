@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from footwork.core.body.motion import Motion
 from footwork.core.database.build import build_database
 from footwork.core.database.motion_database import MotionDatabase
 from footwork.core.database.virtual_root import virtual_root
@@ -16,7 +17,6 @@ from footwork.core.matching.inertialization import assemble
 from footwork.core.matching.playback import Playback, match
 from footwork.core.matching.search import BoxSearch, MatrixSearch
 from footwork.core.matching.trajectory import make_trajectory
-from footwork.core.mocap.skeleton import Motion
 from footwork.core.mocap.takes import load_take
 from footwork.core.settings import BakeSettings, DatabaseSettings
 

@@ -9,13 +9,11 @@ from footwork.core.matching.trajectory import (
     causal_trajectory,
     look_ahead_trajectory,
     make_trajectory,
-    smooth,
 )
 from footwork.core.settings import BakeSettings
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
-from scipy.ndimage import gaussian_filter1d
 from scipy.signal import lfilter
 from scipy.spatial.transform import Rotation, Slerp
 
@@ -118,15 +116,6 @@ def test_look_ahead_reads_the_recorded_future_and_holds_its_end():
     np.testing.assert_allclose(plan.future_positions[-1], np.broadcast_to(path[-1], (3, 2)), atol=1e-9)
     np.testing.assert_allclose(plan.future_yaws[-1], yaws[-1], atol=1e-9)
     np.testing.assert_allclose(plan.future_positions[:-60, 2], plan.future_positions[40:-20, 0], atol=1e-12)
-
-
-def test_smoothing_is_a_gaussian_without_lag():
-    path, _ = walk(5)
-    smoothed = smooth(path, 5.0)
-    inner = slice(40, -40)
-    np.testing.assert_allclose(smoothed[inner], gaussian_filter1d(path, 5.0, axis=0)[inner], atol=2e-5)
-    np.testing.assert_allclose(smooth(path[::-1], 5.0)[::-1], smoothed, atol=1e-12)
-    np.testing.assert_allclose(smoothed[[0, -1]], path[[0, -1]], atol=1e-12)
 
 
 @given(st.integers(0, 50), st.floats(-3, 3), st.sampled_from(["causal", "look-ahead"]))

@@ -9,11 +9,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from footwork.core.body.forward_kinematics import forward as joints_forward
 from footwork.core.mocap.bvh import (
     CHANNELS,
     BvhFile,
     format_bvh,
-    global_transforms,
     local_transforms,
     parse_bvh,
     read_bvh,
@@ -211,7 +211,8 @@ def test_forward_kinematics_agrees_with_pymotion(data: Path, take: str):
     assert list(bvh.names) == list(theirs.data["names"])
     frames = np.unique(np.linspace(0, len(bvh) - 1, 15).astype(int))
     expected, matrices = fk(rotations[frames], positions[frames, 0], positions[frames], np.array(parents))
-    ours, turned = global_transforms(*(x[frames] for x in local_transforms(bvh)), bvh.parents)
+    local, turns = (x[frames] for x in local_transforms(bvh))
+    ours, turned = joints_forward(local[:, 0], turns, local, bvh.parents)
     np.testing.assert_allclose(ours, expected, atol=1e-6 * np.abs(expected).max())
     axes = Rotation.from_quat(np.roll(turned, -1, axis=-1).reshape(-1, 4)).as_matrix()
     np.testing.assert_allclose(axes.reshape(matrices.shape), matrices, atol=1e-6)

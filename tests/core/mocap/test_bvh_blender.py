@@ -11,9 +11,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from footwork.core.mocap.bvh import BvhFile, global_transforms, local_transforms, read_bvh, write_bvh
+from footwork.core.body import forward_kinematics as fk
+from footwork.core.body.edit import cut
+from footwork.core.mocap.bvh import BvhFile, local_transforms, read_bvh, write_bvh
 from footwork.core.mocap.demo import demo_motion
-from footwork.core.mocap.edit import cut
 from footwork.core.mocap.export import to_bvh
 
 pytestmark = pytest.mark.skipif(importlib.util.find_spec("bpy") is None, reason="no Blender module here")
@@ -79,7 +80,8 @@ def test_positions_agree_with_blender(data: Path, tmp_path: Path):
         write_bvh(path, files[path])
     results = in_blender(list(files), tmp_path)
     for path, bvh in files.items():
-        ours = z_up(global_transforms(*local_transforms(bvh), bvh.parents)[0])
+        local, turns = local_transforms(bvh)
+        ours = z_up(fk.forward(local[:, 0], turns, local, bvh.parents)[0])
         theirs, names = results[path.name], results[path.name + ":names"].tolist()
         order = [names.index(name) for name in bvh.names]
         # single precision, and bones shorter than Blender allows are stretched a little

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from footwork.core.body.skeleton import ROLES
 from footwork.core.errors import InputError
 from footwork.core.mocap.bvh import read_bvh
 from footwork.core.mocap.roles import PRESETS, match_roles, read_preset, shipped_presets
-from footwork.core.mocap.skeleton import ROLES
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

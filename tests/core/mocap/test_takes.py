@@ -7,13 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from footwork.core.body.edit import cut, mirror, resample
+from footwork.core.body.motion import Motion
 from footwork.core.errors import InputError
 from footwork.core.maths import quat
 from footwork.core.mocap.bvh import BvhFile, read_bvh, write_bvh
+from footwork.core.mocap.checks import toes_aside
 from footwork.core.mocap.demo import demo_motion
-from footwork.core.mocap.edit import cut, mirror, resample
 from footwork.core.mocap.export import to_bvh
-from footwork.core.mocap.skeleton import Motion
 from footwork.core.mocap.takes import frame_rate, load_take, take_from_bvh
 
 pytestmark = pytest.mark.filterwarnings("error")
@@ -399,3 +400,14 @@ def test_takes_of_all_kinds_are_read(data: Path):
         assert np.isfinite(take.motion.positions).all()
         np.testing.assert_allclose(np.linalg.norm(take.motion.rotations, axis=-1), 1.0, atol=1e-9)
         assert not any("swapped" in doubt for doubt in take.doubts), path
+
+
+def test_who_lies_has_left_and_right_where_they_are() -> None:
+    motion = demo_motion("walk")
+    # on the back with the feet up: the hips' forward points at the ceiling
+    lying = quat.from_axis("X", np.full(120, np.radians(80.0)))
+    rotations = motion.rotations.copy()
+    rotations[-120:, 0] = quat.multiply(quat.from_yaw(2.1), quat.multiply(lying, rotations[-120:, 0]))
+    mixed = replace(motion, rotations=quat.continuous(rotations))
+    assert abs(toes_aside(mixed) - toes_aside(cut(motion, 0, len(motion) - 120))) < np.radians(3.0)
+    assert toes_aside(cut(mixed, len(motion) - 120, len(motion))) is None

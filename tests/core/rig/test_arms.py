@@ -6,8 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from footwork.core.body.motion import Motion
+from footwork.core.body.skeleton import SIDES
 from footwork.core.mocap.demo import demo_skeleton
-from footwork.core.mocap.skeleton import SIDES, Motion
 from footwork.core.rig.arms import reach_hands
 from scipy.spatial.transform import Rotation
 

@@ -7,13 +7,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from footwork.core.database.contacts import find_contacts, toe_positions
+from footwork.core.body.edit import cut
+from footwork.core.body.motion import Motion
+from footwork.core.body.skeleton import SIDES
+from footwork.core.body.toes import toe_positions
+from footwork.core.database.contacts import find_contacts
 from footwork.core.mocap.demo import demo_skeleton
-from footwork.core.mocap.edit import cut
-from footwork.core.mocap.skeleton import SIDES, Motion
 from footwork.core.mocap.takes import load_take
-from footwork.core.recording.body import scale
+from footwork.core.recording.recording import Recording
 from footwork.core.recording.simulate import simulate_recording
+from footwork.core.recording.targets import joint_targets, scale
 from footwork.core.rig.avatar import AvatarResult, animate
 from footwork.core.settings import BakeSettings
 from scipy.spatial.transform import Rotation
@@ -35,7 +38,7 @@ def spoilt(motion: Motion) -> Motion:
 
 
 @pytest.fixture(scope="module", params=list(TAKES))
-def case(request: pytest.FixtureRequest, data: Path) -> tuple[AvatarResult, np.ndarray, Motion]:
+def case(request: pytest.FixtureRequest, data: Path) -> tuple[AvatarResult, np.ndarray, Motion, Recording]:
     path, frames = TAKES[request.param]
     user = cut(load_take(data / "takes" / path, 60.0).motion, 0, frames)
     contacts = find_contacts(toe_positions(user), user.fps)
@@ -45,24 +48,26 @@ def case(request: pytest.FixtureRequest, data: Path) -> tuple[AvatarResult, np.n
     body = user.skeleton
     sized = replace(body, offsets=body.offsets * factor, tips=body.tips * factor)
     matched = spoilt(replace(user, skeleton=sized, positions=user.positions * factor))
-    return animate(matched, contacts, scale(recording, factor), RIG, BakeSettings()), contacts, user
+    sized_recording = scale(recording, factor)
+    return animate(matched, contacts, sized_recording, RIG, BakeSettings()), contacts, user, sized_recording
 
 
 def test_head_and_hands_are_at_the_trackers(case, world, degrees_between) -> None:
-    result, _, _ = case
+    result, _, _, recording = case
+    targets, rotations = joint_targets(recording)
     place, turn = world(result.motion, "head")
-    assert np.linalg.norm(place - result.targets[:, 0], axis=-1).max() < 1e-6
-    assert degrees_between(turn, result.target_rotations[:, 0]).max() < 1e-4
+    assert np.linalg.norm(place - targets[:, 0], axis=-1).max() < 1e-6
+    assert degrees_between(turn, rotations[:, 0]).max() < 1e-4
     for i, side in enumerate(SIDES):
         place, turn = world(result.motion, f"hand.{side}")
-        away = np.linalg.norm(place - result.targets[:, 1 + i], axis=-1)
+        away = np.linalg.norm(place - targets[:, 1 + i], axis=-1)
         assert away[~result.unreachable[:, i]].max() < 1e-3
-        assert degrees_between(turn, result.target_rotations[:, 1 + i]).max() < 1e-4
+        assert degrees_between(turn, rotations[:, 1 + i]).max() < 1e-4
     assert result.unreachable.mean() < 0.15
 
 
 def test_feet_stand_on_the_floor(case) -> None:
-    result, contacts, _ = case
+    result, contacts, _, _ = case
     toes = toe_positions(result.motion)
     speed = np.linalg.norm(np.diff(toes[..., :2], axis=0), axis=-1) * 60.0
     held = result.contacts[1:] & result.contacts[:-1]
@@ -72,7 +77,7 @@ def test_feet_stand_on_the_floor(case) -> None:
 
 
 def test_joints_move_as_smoothly_as_the_user_s(case) -> None:
-    result, _, user = case
+    result, _, user, _ = case
 
     def sharpest(motion: Motion, parts: tuple[str, ...]) -> float:
         worst = 0.0
@@ -90,7 +95,7 @@ def test_joints_move_as_smoothly_as_the_user_s(case) -> None:
 
 
 def test_knees_and_elbows_bend_their_own_way(case, world) -> None:
-    result, _, _ = case
+    result, _, _, _ = case
     for side in SIDES:
         hip, knee, ankle = (world(result.motion, f"{part}.{side}")[0] for part in ("thigh", "shin", "foot"))
         forward = Rotation.from_quat(np.roll(world(result.motion, f"shin.{side}")[1], -1, axis=-1)).apply(

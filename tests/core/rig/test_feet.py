@@ -6,8 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from footwork.core.database.contacts import find_contacts, toe_positions
-from footwork.core.mocap.skeleton import Motion
+from footwork.core.body.motion import Motion
+from footwork.core.body.toes import toe_positions
+from footwork.core.database.contacts import find_contacts
 from footwork.core.rig.feet import place_feet, plan_feet
 
 UNLOCK, HALFLIFE = 0.2, 0.1

@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from footwork.core.body.motion import Motion
+from footwork.core.body.retarget import retarget
 from footwork.core.mocap.demo import demo_skeleton
-from footwork.core.mocap.skeleton import Motion
 from footwork.core.rig.head import place_head
-from footwork.core.rig.retarget import retarget
 from scipy.spatial.transform import Rotation
 
 

@@ -1,11 +1,12 @@
-"""Bodies for the rig's tests: a demo walk, and skeletons with fewer or other joints."""
+"""Bodies for tests of core: a demo walk, and skeletons with fewer or other joints."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
+from footwork.core.body.motion import Motion
+from footwork.core.body.skeleton import Skeleton
 from footwork.core.mocap.demo import demo_motion, demo_skeleton
-from footwork.core.mocap.skeleton import Motion, Skeleton
 from scipy.spatial.transform import Rotation
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from footwork.core.evaluation.metrics import Values, pool, summarise
-from footwork.core.evaluation.series import series, stretch_means
+from footwork.core.measure.metrics import Values, pool, summarise
+from footwork.core.measure.series import series, stretch_means
 
 
 def values(own: dict[str, list], floor: dict[str, list] | None = None, poses: list | None = None) -> Values:

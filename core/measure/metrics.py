@@ -12,14 +12,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..database.contacts import find_contacts, place_toes, toe_places
+from ..body import hierarchy
+from ..body.motion import Motion
+from ..body.skeleton import LEG, SIDES, Skeleton
+from ..body.toes import place_toes, toe_places
+from ..database.contacts import find_contacts
 from ..database.motion_database import POSE, MotionDatabase
 from ..errors import InputError
 from ..matching.playback import Playback
 from ..maths import quat
-from ..mocap.skeleton import LEG, SIDES, Motion, Skeleton
-from ..recording.body import joint_targets
 from ..recording.recording import TRACKER_ROLES, Recording
+from ..recording.targets import joint_targets
 from ..rig.ground import Ground, surface
 from . import measures
 from .catalogue import METRICS
@@ -306,14 +309,9 @@ def knee_bends(body: Body) -> Array:
 
 def _parents_among(skeleton: Skeleton, roles: Sequence[str]) -> NDArray[np.intp]:
     """For each role the index in `roles` of its nearest ancestor that has one of them; -1 for none."""
-    place = {skeleton.joint(role): i for i, role in enumerate(roles)}
-    out = np.full(len(roles), -1, dtype=np.intp)
-    for joint, i in place.items():
-        ancestor = int(skeleton.parents[joint])
-        while ancestor >= 0 and ancestor not in place:
-            ancestor = int(skeleton.parents[ancestor])
-        out[i] = place.get(ancestor, -1)
-    return out
+    joints = [skeleton.joint(role) for role in roles]
+    over = [hierarchy.nearest_above(skeleton.parents, joint, joints) for joint in joints]
+    return np.array([joints.index(joint) if joint >= 0 else -1 for joint in over], dtype=np.intp)
 
 
 def _relative(rotations: Array, parents: NDArray[np.intp]) -> Array:

@@ -12,8 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..maths import quat
-from ..mocap.skeleton import SIDES, Motion, Skeleton
-from .pose import world_rotations
+from . import forward_kinematics as fk
+from .motion import Motion
+from .skeleton import Skeleton
+from .trunk import neck, pelvis, spine, thighs_middle
 
 Array = NDArray[np.floating[Any]]
 
@@ -38,7 +40,8 @@ def retarget(motion: Motion, target: Skeleton, *, scale_travel: bool = False) ->
     source = motion.skeleton
     if same_skeleton(source, target):
         return motion
-    given = world_rotations(motion, range(len(source)))
+    turned = fk.global_rotations(motion.rotations, source.parents)
+    given = {joint: turned[:, joint] for joint in range(len(source))}
     world = _chain_rotations(source, target, given)
     rotations = np.empty((len(motion), len(target), 4))
     for j, role in enumerate(target.roles):
@@ -63,43 +66,6 @@ def same_skeleton(a: Skeleton, b: Skeleton) -> bool:
         and np.array_equal(a.parents, b.parents)
         and np.array_equal(a.offsets, b.offsets)
     )
-
-
-def path(skeleton: Skeleton, first: int, last: int) -> list[int]:
-    """Joints from `first` down to its descendant `last`, both included."""
-    joints = [last]
-    while joints[-1] != first:
-        joints.append(int(skeleton.parents[joints[-1]]))
-    return joints[::-1]
-
-
-def pelvis(skeleton: Skeleton) -> list[int]:
-    """Joints that move as one with the hips: those, and that part of a spine from which thighs hang."""
-    thighs = [path(skeleton, 0, skeleton.joint(f"thigh.{side}"))[:-1] for side in SIDES]
-    trunk = path(skeleton, 0, skeleton.joint("head"))
-    return [joint for joint in trunk if any(joint in thigh for thigh in thighs)]
-
-
-def spine(skeleton: Skeleton) -> list[int]:
-    """Joints from the last of the pelvis to the last of the back, the chest: one where there is no spine."""
-    chain = path(skeleton, pelvis(skeleton)[-1], skeleton.joint("head"))[:-1]
-    for end in ("chest", "neck"):
-        joint = skeleton.find(end)
-        if joint in chain:
-            return chain[: max(chain.index(joint) + (end == "chest"), 1)]
-    return chain
-
-
-def neck(skeleton: Skeleton) -> list[int]:
-    """Joints above the chest below the head; empty where the skeleton has none."""
-    return path(skeleton, spine(skeleton)[-1], skeleton.joint("head"))[1:-1]
-
-
-def thighs_middle(skeleton: Skeleton) -> Array:
-    """Middle of the two thigh joints `(3,)` from the hips in T-pose, metres."""
-    positions = skeleton.tpose_positions()
-    thighs = positions[[skeleton.joint(f"thigh.{side}") for side in SIDES]]
-    return thighs.mean(axis=0) - positions[0]
 
 
 def _chain_rotations(source: Skeleton, target: Skeleton, given: dict[int, Array]) -> dict[int, Array]:

@@ -9,15 +9,16 @@ from typing import Any, cast
 
 import numpy as np
 import pytest
-from footwork.core.database.contacts import find_contacts, toe_positions
+from footwork.core.body.motion import Motion
+from footwork.core.body.toes import toe_positions
+from footwork.core.database.contacts import find_contacts
 from footwork.core.database.motion_database import FEATURE_COUNT, FeatureDatabase, MotionDatabase
 from footwork.core.database.virtual_root import virtual_root
 from footwork.core.errors import InputError
-from footwork.core.evaluation.metrics import Yardstick, body_of, pose_jumps, summarise
 from footwork.core.matching.playback import Playback
 from footwork.core.maths import quat
+from footwork.core.measure.metrics import Yardstick, body_of, pose_jumps, summarise
 from footwork.core.mocap.demo import demo_motion
-from footwork.core.mocap.skeleton import Motion
 from footwork.core.recording.recording import Recording
 from footwork.core.recording.simulate import simulate_recording
 

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..maths import quat
-from .skeleton import Motion, Skeleton
+from .motion import Motion
+from .skeleton import Skeleton
 
 Array = NDArray[np.floating[Any]]
 

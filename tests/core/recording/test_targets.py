@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from footwork.core.body.motion import Motion
 from footwork.core.errors import InputError
 from footwork.core.maths import quat
 from footwork.core.mocap.demo import demo_motion, demo_skeleton
-from footwork.core.mocap.skeleton import Motion
-from footwork.core.recording.body import joint_targets, scale
 from footwork.core.recording.mounts import DEVICE_MOUNTS, SIMULATED_MOUNTS, grip_mounts
 from footwork.core.recording.simulate import simulate_recording
+from footwork.core.recording.targets import joint_targets, scale
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from footwork.core.body.standing import standing_head_height, standing_height
 from footwork.core.mocap.demo import demo_motion
-from footwork.core.mocap.standing import standing_head_height, standing_height
 
 
 def test_standing_is_found_between_crouching_and_tip_toe() -> None:

@@ -8,9 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..body import forward_kinematics as fk
+from ..body import hierarchy
+from ..body.skeleton import SIDES
 from ..maths import quat
-from .bvh import BvhFile, global_transforms, local_transforms
-from .skeleton import SIDES
+from .bvh import BvhFile, local_transforms
 
 Array = NDArray[np.floating[Any]]
 
@@ -21,7 +23,7 @@ _BODY_LENGTH = 1.5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Body:
+class RawBody:
     """A take's humanoid joints, hips first, in the file's own joint axes."""
 
     names: tuple[str, ...]
@@ -42,7 +44,7 @@ class Body:
         """Index of a role's joint."""
         return self.roles.index(role)
 
-    def turned(self, rotation: Array, scale: float) -> Body:
+    def turned(self, rotation: Array, scale: float) -> RawBody:
         """The same in other world axes and another unit."""
         return replace(
             self,
@@ -53,59 +55,48 @@ class Body:
             slide=self.slide * scale,
         )
 
-    def frames(self, start: int) -> Body:
+    def frames(self, start: int) -> RawBody:
         """The same from frame `start` on."""
         return replace(self, positions=self.positions[start:], rotations=self.rotations[start:])
 
     def pose(self, rotations: Array) -> Array:
         """Joint positions `(J, 3)`, the hips at the origin, with global rotations `(J, 4)`."""
-        return chain_positions(np.zeros((1, 3)), rotations[None], self.offsets, self.parents)[0]
+        return fk.joint_positions(np.zeros((1, 3)), rotations[None], self.offsets, self.parents)[0]
 
 
-def chain_positions(hips: Array, rotations: Array, offsets: Array, parents: NDArray[np.intp]) -> Array:
-    """Positions `(T, J, 3)` from the hips' `(T, 3)`, global rotations `(T, J, 4)` and offsets `(J, 3)`."""
-    out = np.empty((*rotations.shape[:-1], 3))
-    out[:, 0] = hips
-    for j, p in enumerate(parents.tolist()):
-        if p >= 0:
-            out[:, j] = out[:, p] + quat.rotate(rotations[:, p], offsets[j])
-    return out
-
-
-def reduce_to_body(bvh: BvhFile, roles: tuple[str, ...]) -> Body:
+def reduce_to_body(bvh: BvhFile, roles: tuple[str, ...]) -> RawBody:
     """The joints with roles and those between them; file units and axes.
 
     The hips take over all that moves above them. Other joints keep their median offset.
     """
     parents = bvh.parents.tolist()
-    kept, above = _kept(parents, roles)
-    joints = sorted(kept)
-    chosen = np.array(sorted(kept | above), dtype=np.intp)
-    place = {joint: k for k, joint in enumerate(chosen.tolist())}
-    local_p, local_r = local_transforms(bvh, chosen)
-    all_parents = np.array([place.get(parents[joint], -1) for joint in chosen], dtype=np.intp)
-    global_p, global_r = global_transforms(local_p, local_r, all_parents)
+    chosen = hierarchy.with_ancestors(parents, [joint for joint, role in enumerate(roles) if role])
+    over = hierarchy.above(parents, roles.index("hips"))
+    joints = [joint for joint in chosen if joint not in over]
+    place = {joint: k for k, joint in enumerate(chosen)}
+    local_p, local_r = local_transforms(bvh, np.array(chosen, dtype=np.intp))
+    all_parents = hierarchy.part(parents, chosen)
+    global_p, global_r = fk.forward(local_p[:, 0], local_r, local_p, all_parents)
     body = np.array([place[joint] for joint in joints], dtype=np.intp)
     offsets = np.median(local_p[:, body], axis=0)
     slide = np.linalg.norm(local_p[:, body] - offsets, axis=-1).max(axis=0)
     slide[0] = 0.0
-    inner = {joint: k for k, joint in enumerate(joints)}
-    inner_parents = np.array([inner.get(parents[joint], -1) for joint in joints], dtype=np.intp)
+    inner_parents = hierarchy.part(parents, joints)
     rotations = global_r[:, body]
     held = {parents[joint] for joint in joints}
-    return Body(
+    return RawBody(
         names=tuple(bvh.names[joint] for joint in joints),
         roles=tuple(roles[joint] for joint in joints),
         parents=inner_parents,
         offsets=offsets,
         tips=np.array([_tip(bvh, joint, roles[joint], leaf=joint not in held) for joint in joints]),
-        positions=chain_positions(global_p[:, body[0]], rotations, offsets, inner_parents),
+        positions=fk.joint_positions(global_p[:, body[0]], rotations, offsets, inner_parents),
         rotations=rotations,
         slide=slide,
     )
 
 
-def with_toes(body: Body) -> tuple[Body, list[str]]:
+def with_toes(body: RawBody) -> tuple[RawBody, list[str]]:
     """The body with toes made at the end of the feet where the file has none; which feet got one."""
     made: list[str] = []
     for side in SIDES:
@@ -120,7 +111,7 @@ def with_toes(body: Body) -> tuple[Body, list[str]]:
         tips = np.insert(body.tips, at, 0.0, axis=0)
         tips[foot] = 0.0
         toe = renamed if renamed not in body.names else f"{name} toe"
-        body = Body(
+        body = RawBody(
             names=(*body.names[:at], toe, *body.names[at:]),
             roles=(*body.roles[:at], f"toe.{side}", *body.roles[at:]),
             parents=np.insert(body.parents + (body.parents > foot), at, foot),
@@ -133,15 +124,15 @@ def with_toes(body: Body) -> tuple[Body, list[str]]:
     return body, made
 
 
-def find_unit(body: Body) -> tuple[str, float]:
+def find_unit(body: RawBody) -> tuple[str, float]:
     """The unit that makes the body nearest in size to an adult's, and the body's length in metres with it.
 
     The length runs along one thigh and shin and from the hips to the head.
     """
     length = 0.0
     for side in SIDES:
-        length += 0.5 * _path(body, body.joint(f"foot.{side}"), body.joint(f"thigh.{side}"))
-    length += _path(body, body.joint("head"), 0)
+        length += 0.5 * _length(body, body.joint(f"thigh.{side}"), body.joint(f"foot.{side}"))
+    length += _length(body, 0, body.joint("head"))
 
     def unlikely(unit: str) -> float:
         ratio = float(np.log(max(length, 1e-9) * UNITS[unit] / _BODY_LENGTH))
@@ -151,7 +142,7 @@ def find_unit(body: Body) -> tuple[str, float]:
     return name, length * UNITS[name]
 
 
-def find_up(body: Body) -> tuple[str, float]:
+def find_up(body: RawBody) -> tuple[str, float]:
     """Whether Y or Z points up in the file, and how clearly: the share of the feet-to-head line along it."""
     feet = 0.5 * (body.positions[:, body.joint("foot.L")] + body.positions[:, body.joint("foot.R")])
     line = body.positions[:, body.joint("head")] - feet
@@ -160,29 +151,10 @@ def find_up(body: Body) -> tuple[str, float]:
     return axis, float(share["XYZ".index(axis)])
 
 
-def _path(body: Body, end: int, start: int) -> float:
-    length = 0.0
-    while end != start:
-        length += float(np.linalg.norm(body.offsets[end]))
-        end = int(body.parents[end])
-    return length
-
-
-def _kept(parents: list[int], roles: tuple[str, ...]) -> tuple[set[int], set[int]]:
-    """Joints with roles and those between them and the hips; and the joints above the hips."""
-    hips = roles.index("hips")
-    kept: set[int] = {hips}
-    for joint, role in enumerate(roles):
-        at = joint
-        while role and at not in kept:
-            kept.add(at)
-            at = parents[at]
-    above: set[int] = set()
-    at = parents[hips]
-    while at >= 0:
-        above.add(at)
-        at = parents[at]
-    return kept, above
+def _length(body: RawBody, first: int, last: int) -> float:
+    """Of the bones from joint `first` down to `last`, in the body's unit."""
+    joints = hierarchy.path(body.parents, first, last)
+    return float(np.linalg.norm(body.offsets[joints[1:]], axis=-1).sum())
 
 
 def _tip(bvh: BvhFile, joint: int, role: str, *, leaf: bool) -> Array:

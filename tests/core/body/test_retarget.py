@@ -6,9 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from footwork.core.body.motion import Motion
+from footwork.core.body.retarget import pelvis, retarget, spine
+from footwork.core.body.skeleton import Skeleton
 from footwork.core.mocap.demo import demo_skeleton
-from footwork.core.mocap.skeleton import Motion, Skeleton
-from footwork.core.rig.retarget import pelvis, retarget, spine
 from scipy.spatial.transform import Rotation, Slerp
 
 

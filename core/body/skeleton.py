@@ -1,4 +1,4 @@
-"""Skeletons and motions in Footwork's one convention, whatever file they came from.
+"""Skeletons in Footwork's one convention, whatever file they came from.
 
 Every skeleton stands in T-pose at zero rotation, faces +Y, has its left side at -X, up is +Z, units are metres, joint 0
 is the hips. So a local rotation is "rotation since T-pose" with axes parallel to the world's in T-pose, and two
@@ -12,8 +12,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-
-from ..maths import kinematics
 
 Array = NDArray[np.floating[Any]]
 
@@ -77,40 +75,3 @@ class Skeleton:
         """Thigh plus shin, metres, mean of both sides."""
         joints = [self.joint(f"{part}.{side}") for side in SIDES for part in ("shin", "foot")]
         return float(np.linalg.norm(self.offsets[joints], axis=-1).sum() / 2.0)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Motion:
-    """A skeleton's movement at a fixed rate."""
-
-    skeleton: Skeleton
-    fps: float
-    positions: Array
-    """`(T, 3)` hips in the world, metres."""
-    rotations: Array
-    """`(T, J, 4)` local rotations since T-pose; the hips' is global; sign-continuous over time."""
-
-    def __len__(self) -> int:
-        return len(self.positions)
-
-    def forward(self) -> tuple[Array, Array]:
-        """World joint positions `(T, J, 3)` in metres and rotations since T-pose `(T, J, 4)`."""
-        return kinematics.forward(
-            self.positions, self.rotations, self.skeleton.offsets, self.skeleton.parents
-        )
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Take:
-    """One mocap file, read into Footwork's convention."""
-
-    name: str
-    """File name without folder and extension."""
-    file: str
-    """File name as given."""
-    sha256: str
-    motion: Motion
-    found: dict[str, str]
-    """What the reader decided, for people: unit, up axis, preset, facing, floor ... in order of printing."""
-    doubts: tuple[str, ...]
-    """One line for each thing a person should look at."""

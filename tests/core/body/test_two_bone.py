@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from footwork.core.rig.two_bone import bend_direction, reach, triangle
+from footwork.core.body.two_bone import bend_direction, reach, triangle
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation

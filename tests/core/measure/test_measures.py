@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from footwork.core.evaluation import measures
 from footwork.core.maths import quat
+from footwork.core.measure import measures
 
 
 def toes(left_x: list[float]) -> np.ndarray:

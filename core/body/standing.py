@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..maths import kinematics
-from .skeleton import Motion
+from . import forward_kinematics as fk
+from .motion import Motion
 
 Array = NDArray[np.floating[Any]]
 
@@ -54,7 +55,7 @@ def standing_head_height(*motions: Motion) -> float:
     speeds: list[Array] = []
     for motion in motions:
         step = max(1, round(motion.fps / _RATE))
-        places, _ = kinematics.forward(
+        places, _ = fk.forward(
             motion.positions[::step], motion.rotations[::step], skeleton.offsets, skeleton.parents
         )
         heights.append(places[:, head, 2])

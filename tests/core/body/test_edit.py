@@ -6,11 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from footwork.core.body.edit import cut, mirror, mirror_joints, resample
+from footwork.core.body.motion import Motion
+from footwork.core.body.skeleton import Skeleton
 from footwork.core.errors import InputError
 from footwork.core.maths import quat
 from footwork.core.mocap.demo import demo_motion
-from footwork.core.mocap.edit import cut, mirror, mirror_joints, resample
-from footwork.core.mocap.skeleton import Motion, Skeleton
 from footwork.core.mocap.takes import load_take
 from hypothesis import given, settings
 from hypothesis import strategies as st

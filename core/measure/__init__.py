@@ -1,0 +1,1 @@
+"""How good a motion is: one entry for each metric."""
