@@ -5,18 +5,45 @@ from __future__ import annotations
 import ast
 import subprocess
 import sys
+from collections.abc import Iterator
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).parents[1]
 FOREIGN = {"bpy", "mathutils", "gpu", "bl_ui", "torch", "scipy", "matplotlib", "optuna", "pymotion"}
-ABOVE = {
-    "core": {"nn", "bridge", "operators", "panels", "cli"},
-    "nn": {"bridge", "operators", "panels", "cli"},
-    "bridge": {"operators", "panels", "cli"},
-    "operators": {"panels"},
+
+BASE = {"errors", "files", "jobs", "settings"}
+"""Modules of core that every part of it may use; they use each other alone."""
+ARROWS: dict[str, set[str]] = {
+    "core.maths": set(),
+    "core.body": {"core.maths"},
+    "core.mocap": {"core.body", "core.maths"},
+    "core.recording": {"core.mocap", "core.body", "core.maths"},
+    "core.database": {"core.recording", "core.mocap", "core.body", "core.maths"},
+    "core.rig": {"core.recording", "core.mocap", "core.body", "core.maths"},
+    "core.matching": {"core.database", "core.rig", "core.recording", "core.mocap", "core.body", "core.maths"},
+    "core.measure": {
+        *("core.matching", "core.database", "core.rig"),
+        *("core.recording", "core.mocap", "core.body", "core.maths"),
+    },
+    "core.pipeline": {
+        *("core.measure", "core.matching", "core.database", "core.rig"),
+        *("core.recording", "core.mocap", "core.body", "core.maths"),
+    },
+    "core.evaluation": {
+        *("core.pipeline", "core.measure", "core.matching", "core.database", "core.rig"),
+        *("core.recording", "core.mocap", "core.body", "core.maths"),
+    },
+    "nn": {"core"},
+    "bridge": {"core"},
+    "properties": {"bridge", "nn", "core"},
+    "operators": {"properties", "bridge", "nn", "core"},
+    "panels": {"operators", "properties", "bridge", "nn", "core"},
+    "cli": {"bridge", "nn", "core"},
 }
+"""What each part may import beside itself; a package of core stands for all of its parts."""
 
 IMPORT_ALL = """
 import importlib, pkgutil, sys
@@ -30,29 +57,51 @@ sys.meta_path.insert(0, Refuse())
 import footwork.core, footwork.nn
 for package in (footwork.core, footwork.nn):
     for module in pkgutil.walk_packages(package.__path__, package.__name__ + "."):
-        if not module.name.startswith("footwork.nn.train_"):  # what nn.train fetches when training starts
+        if not module.name.startswith("footwork.nn.train"):
             importlib.import_module(module.name)
 print("all imported")
 """
 
 
-def modules(package: str) -> list[Path]:
-    return sorted((ROOT / package).rglob("*.py"))
+def sources() -> list[Path]:
+    """All modules of the packages that ARROWS names."""
+    tops = {part.partition(".")[0] for part in ARROWS}
+    return sorted(path for top in tops for path in (ROOT / top).rglob("*.py"))
 
 
-def imports(path: Path) -> set[str]:
-    """Top-level names of absolute imports, and `.package` for relative imports that reach Footwork's root."""
-    depth = len(path.relative_to(ROOT).parts) - 1
-    found: set[str] = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+def module_of(path: Path) -> str:
+    return ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
+
+
+MODULES = {module_of(path) for path in sources()}
+
+
+def imported(path: Path, *, at_import: bool = False) -> Iterator[str]:
+    """Full names of what a module imports: of Footwork from its root on, of others their first name.
+
+    Args:
+        path: the module's file.
+        at_import: only what is imported as soon as the module is, not inside functions.
+    """
+    package = list(path.relative_to(ROOT).parts[:-1])
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    for node in tree.body if at_import else ast.walk(tree):
         if isinstance(node, ast.Import):
-            found |= {alias.name.split(".")[0] for alias in node.names}
+            yield from (alias.name.split(".")[0] for alias in node.names)
         elif isinstance(node, ast.ImportFrom) and node.level == 0:
-            found.add((node.module or "").split(".")[0])
-        elif isinstance(node, ast.ImportFrom) and node.level == depth + 1:
-            names = [node.module.split(".")[0]] if node.module else [alias.name for alias in node.names]
-            found |= {f".{name}" for name in names}
-    return found
+            yield (node.module or "").split(".")[0]
+        elif isinstance(node, ast.ImportFrom):
+            above = package[: len(package) - node.level + 1]
+            base = ".".join([*above, *(node.module.split(".") if node.module else [])])
+            for alias in node.names:
+                inner = f"{base}.{alias.name}" if base else alias.name
+                yield inner if inner in MODULES else base
+
+
+def part_of(module: str) -> str:
+    """The part of ARROWS that a module belongs to."""
+    names = module.split(".")
+    return ".".join(names[:2]) if names[0] == "core" else names[0]
 
 
 def test_core_and_nn_import_without_blender_and_torch() -> None:
@@ -64,31 +113,53 @@ def test_core_and_nn_import_without_blender_and_torch() -> None:
     assert done.stdout.strip() == "all imported"
 
 
-@pytest.mark.parametrize("package", sorted(ABOVE))
-def test_no_package_imports_one_above_it(package: str) -> None:
-    for path in modules(package):
-        upward = {name for name in ABOVE[package] if f".{name}" in imports(path)}
-        assert not upward, f"{path.relative_to(ROOT)} imports {upward}"
+def test_the_arrows_run_down() -> None:
+    """No part stands in a circle of arrows, and database and rig do not know each other."""
+    order = list(TopologicalSorter({part: ARROWS[part] - {"core"} for part in ARROWS}).static_order())
+    assert order.index("core.maths") < order.index("core.body") < order.index("core.evaluation")
+    assert "core.rig" not in ARROWS["core.database"] and "core.database" not in ARROWS["core.rig"]
+
+
+@pytest.mark.parametrize("path", sources(), ids=module_of)
+def test_modules_import_along_the_arrows(path: Path) -> None:
+    module = module_of(path)
+    part = part_of(module)
+    for name in imported(path):
+        if name not in MODULES or name in ("core", part):
+            continue
+        other = part_of(name)
+        if part in {f"core.{base}" for base in BASE}:
+            assert other in {f"core.{base}" for base in BASE}, f"{module} imports {name}"
+        elif part in ARROWS and other != part:
+            common = part.startswith("core") and other in {f"core.{base}" for base in BASE}
+            allowed = other in ARROWS[part] or (other.startswith("core.") and "core" in ARROWS[part])
+            assert common or allowed, f"{module} imports {name}"
+
+
+def test_every_part_is_drawn() -> None:
+    """A new package, or a new module of core's own level, has to be put into ARROWS."""
+    parts = {part_of(module) for module in MODULES} - {"core"}
+    assert parts <= set(ARROWS) | {f"core.{base}" for base in BASE}
+
+
+def test_no_modules_import_each_other_in_a_circle() -> None:
+    graph = {module_of(p): {n for n in imported(p) if n in MODULES} - {module_of(p)} for p in sources()}
+    packages = {name for name in MODULES if (ROOT / Path(*name.split(".")) / "__init__.py").is_file()}
+    order = TopologicalSorter(
+        {module: others - packages for module, others in graph.items() if module not in packages}
+    )
+    assert len(list(order.static_order())) >= len(MODULES) - len(packages)
 
 
 def test_torch_is_imported_by_training_alone() -> None:
-    users = [path for package in (*ABOVE, "panels") for path in modules(package) if "torch" in imports(path)]
-    assert all(path.parent.name == "nn" and path.name.startswith("train") for path in users)
+    users = [path for path in sources() if "torch" in imported(path)]
+    assert users
+    assert all(module_of(path).startswith("nn.train") for path in users)
 
 
 def test_blender_is_imported_only_above_core_and_nn() -> None:
-    users = [path for package in ("core", "nn") for path in modules(package)]
-    for path in [*users, *modules("cli")]:
-        assert not {"bpy", "mathutils"} & top_level_imports(path), path
-
-
-def top_level_imports(path: Path) -> set[str]:
-    """Names imported when the module is imported, not inside functions."""
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    names: set[str] = set()
-    for node in tree.body:
-        if isinstance(node, ast.Import):
-            names |= {alias.name.split(".")[0] for alias in node.names}
-        elif isinstance(node, ast.ImportFrom) and node.level == 0:
-            names.add((node.module or "").split(".")[0])
-    return names
+    for path in sources():
+        if path.relative_to(ROOT).parts[0] in ("core", "nn"):
+            assert not {"bpy", "mathutils"} & set(imported(path)), path
+        if path.relative_to(ROOT).parts[0] == "cli":
+            assert not {"bpy", "mathutils"} & set(imported(path, at_import=True)), path
