@@ -244,7 +244,7 @@ def _scales(
     recording: Recording, databases: Sequence[MotionDatabase], rig: Skeleton, settings: BakeSettings
 ) -> _Scales:
     """By the heights of the head joint at ease; by T-pose heights the avatar would stand on its toes."""
-    ease = max(database.eye_height / _head_height(database.skeleton) for database in databases)
+    ease = max(database.head_height / _head_height(database.skeleton) for database in databases)
     user = recording.eye_height - float(recording.mounts.offsets[0, 2])
     to_rig = ease * _head_height(rig) / user if settings.scale_to_rig else 1.0
     return _Scales(to_rig, ease * _head_height(databases[0].skeleton) / user)

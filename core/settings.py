@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any
 
 from .errors import InputError
+from .methods import FOOT_PLANS, SEARCHES
 
 
 def setting(
@@ -17,7 +19,7 @@ def setting(
     low: float | None = None,
     high: float | None = None,
     unit: str = "",
-    choices: dict[str, str] | None = None,
+    choices: Mapping[str, str] | None = None,
 ) -> Any:
     """A dataclass field that knows how to be shown.
 
@@ -146,10 +148,7 @@ class BakeSettings:
         "path",
         "Search",
         "How the frames to play are chosen",
-        choices={
-            "greedy": "The best frame at each search, as in the paper",
-            "path": "The best path through the databases over the whole recording; slower",
-        },
+        choices=SEARCHES,
     )
     search_every: float = setting(
         10 / 60, "Search Every", "Time between two searches", low=1 / 240, high=2.0, unit="s"
@@ -187,7 +186,7 @@ class BakeSettings:
     scale_to_rig: bool = setting(
         True, "Scale to Rig", "Scale the recording about the floor by the rig's eye height over the user's"
     )
-    foot_lock: bool = setting(True, "Foot Lock", "Keep feet that touch the ground where they are")
+    feet: str = setting("planted", "Feet", "Where the feet go", choices=FOOT_PLANS)
     unlock_distance: float = setting(
         0.2,
         "Unlock Distance",
@@ -198,3 +197,18 @@ class BakeSettings:
     )
     arms: bool = setting(True, "Hands", "Reach for the controllers")
     head: bool = setting(True, "Head", "Put the head at the headset")
+
+
+PAPER: Mapping[str, str] = {
+    "search": "greedy",
+    "trajectory": "causal",
+    "smoothing": "spring",
+    "target": "head",
+}
+"""The bake settings that make the search the paper's."""
+BAKE_PRESETS: Mapping[str, Mapping[str, Any]] = {
+    "Default": {},
+    "As in the Paper": PAPER,
+    "Close to the User": {"alpha": 0.1},
+}
+"""Named sets of bake settings: what they change from the defaults."""

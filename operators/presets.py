@@ -4,8 +4,9 @@ from dataclasses import fields
 
 import bpy
 from bl_operators.presets import AddPresetBase
+from bpy.props import EnumProperty
 
-from ..core.settings import BakeSettings
+from ..core.settings import BAKE_PRESETS, BakeSettings
 
 FOLDER = "footwork/bake"
 
@@ -22,4 +23,26 @@ class FOOTWORK_OT_add_bake_preset(AddPresetBase, bpy.types.Operator):
     preset_values = [f"settings.{item.name}" for item in fields(BakeSettings)]
 
 
-CLASSES = (FOOTWORK_OT_add_bake_preset,)
+class FOOTWORK_OT_use_bake_preset(bpy.types.Operator):
+    """Set the bake settings to those that come with Footwork under a name"""
+
+    bl_idname = "footwork.use_bake_preset"
+    bl_label = "Use Bake Preset"
+    bl_options = {"REGISTER", "UNDO"}
+
+    name: EnumProperty(
+        name="Preset",
+        description="Which settings",
+        items=[(name, name, f"Use the preset {name}") for name in BAKE_PRESETS],
+    )
+
+    def execute(self, context):
+        settings = context.scene.footwork.bake
+        for item in fields(BakeSettings):
+            settings.property_unset(item.name)
+        for name, value in BAKE_PRESETS[self.name].items():
+            setattr(settings, name, value)
+        return {"FINISHED"}
+
+
+CLASSES = (FOOTWORK_OT_add_bake_preset, FOOTWORK_OT_use_bake_preset)

@@ -9,7 +9,7 @@ from .parts import Part, job_button, settings_column
 MAIN_BAKE_SETTINGS = ("trajectory", "search", "alpha", "beta")
 CAUSAL_SETTINGS = ("beta", "smoothing")
 """Settings that only the causal trajectory uses."""
-FITTING_SETTINGS = ("scale_to_rig", "foot_lock", "head", "arms")
+FITTING_SETTINGS = ("scale_to_rig", "feet", "head", "arms")
 
 
 class FOOTWORK_PT_bake_presets(PresetPanel, bpy.types.Panel):

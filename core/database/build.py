@@ -114,7 +114,7 @@ def build_database(
         clips=_clip_table(pieces),
         poses=join_poses([piece.poses for piece in pieces]),
         features=features,
-        eye_height=standing,
+        head_height=standing,
         height_range=_height_range(settings),
         tags=tuple(tags),
         provenance=_provenance(takes, settings, exclude, contact_edits, skipped),

@@ -34,7 +34,7 @@ def describe_database(database: MotionDatabase) -> dict[str, Any]:
     toe speed in contact: no bake on this database can be expected to skate less before feet are locked.
     """
     positions, rotations = _in_root_space(database).forward()
-    ratios = _headset_heights(database, positions, rotations) / database.eye_height
+    ratios = _headset_heights(database, positions, rotations) / database.head_height
     toes = place_toes(database.skeleton, positions, rotations)
     provenance = {key: _json_or_text(value) for key, value in database.provenance.items()}
     return {
@@ -44,7 +44,7 @@ def describe_database(database: MotionDatabase) -> dict[str, Any]:
         "fps": database.fps,
         "found_frames": int(database.features.trajectory_valid.sum()),
         "joints": len(database.skeleton),
-        "eye_height_m": round(database.eye_height, 4),
+        "head_height_m": round(database.head_height, 4),
         "body_height": _body_height(provenance),
         "height_range": list(database.height_range),
         "suggested_height_range": list(_kept_range(ratios)),

@@ -16,12 +16,12 @@ from .motion_database import FEATURE_COUNT, FEATURE_GROUPS, HORIZONS_S
 Arrays = dict[str, NDArray[Any]]
 
 FORMAT = "footwork-motion-database"
-SCHEMA = 1
+SCHEMA = 2
 
 LAYOUT: dict[str, tuple[str, tuple[int | str, ...]]] = {
     "name": ("U", ()),
     "fps": ("f8", ()),
-    "eye_height": ("f8", ()),
+    "head_height": ("f8", ()),
     "height_range": ("f8", (2,)),
     "tags": ("U", ("K",)),
     "provenance": ("U", ()),
@@ -54,6 +54,19 @@ LAYOUT: dict[str, tuple[str, tuple[int | str, ...]]] = {
     "trajectory_valid": ("?", ("N",)),
 }
 """Every array beside `format`, `schema` and `producer`: kind and shape; letters are free lengths."""
+
+
+_RENAMED = {2: {"eye_height": "head_height"}}
+"""For each schema since the first: the arrays that have another name from it on, old name to new."""
+
+
+def names_in(schema: int) -> dict[str, str]:
+    """For each array of `LAYOUT` the name that files of a schema give it."""
+    names = {name: name for name in LAYOUT}
+    for renamed in (_RENAMED[number] for number in sorted(_RENAMED, reverse=True) if number > schema):
+        before = {new: old for old, new in renamed.items()}
+        names = {name: before.get(old, old) for name, old in names.items()}
+    return names
 
 
 class FaultError(Exception):
@@ -139,8 +152,8 @@ def _check_values(arrays: Arrays) -> None:
     fps, low_high = float(arrays["fps"]), arrays["height_range"]
     if not 1.0 <= fps <= 1000.0:
         raise FaultError(f"'fps' is {fps:g}")
-    if arrays["eye_height"] <= 0.0:
-        raise FaultError("'eye_height' is not above zero")
+    if arrays["head_height"] <= 0.0:
+        raise FaultError("'head_height' is not above zero")
     if low_high[0] >= low_high[1]:
         raise FaultError(f"'height_range' {low_high[0]:g} to {low_high[1]:g} is empty")
     lengths = np.linalg.norm(arrays["rotations"], axis=-1)

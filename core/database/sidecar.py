@@ -25,7 +25,7 @@ from .motion_database import (
     MotionDatabase,
     PoseDatabase,
 )
-from .schema import FORMAT, LAYOUT, SCHEMA, Arrays, FaultError, check_arrays, kind_of
+from .schema import FORMAT, LAYOUT, SCHEMA, Arrays, FaultError, check_arrays, kind_of, names_in
 
 _UNREADABLE = (
     ValueError,
@@ -89,7 +89,7 @@ def _to_arrays(database: MotionDatabase) -> Arrays:
     values: dict[str, Any] = {
         "name": database.name,
         "fps": database.fps,
-        "eye_height": database.eye_height,
+        "head_height": database.head_height,
         "height_range": database.height_range,
         "tags": database.tags,
         "provenance": json.dumps(database.provenance),
@@ -125,8 +125,8 @@ def _read(path: str | os.PathLike[str]) -> Arrays:
                 raise FaultError("is cut short, or no .npz file at all")
             file.seek(0)
             with cast(NpzFile, np.load(file, allow_pickle=False)) as archive:
-                _check_header(path, archive)
-                return {name: archive[name] for name in LAYOUT if name in archive.files}
+                names = names_in(_checked_schema(path, archive))
+                return {name: archive[old] for name, old in names.items() if old in archive.files}
     except FileNotFoundError:
         raise InputError(f"{path}: there is no such file; check its name") from None
     except InputError:  # a ValueError, too
@@ -140,8 +140,8 @@ def _read(path: str | os.PathLike[str]) -> Arrays:
         raise FaultError(f"cannot be read ({reason})") from error
 
 
-def _check_header(path: str | os.PathLike[str], archive: NpzFile) -> None:
-    """Whether this is a database, of a schema that is known here."""
+def _checked_schema(path: str | os.PathLike[str], archive: NpzFile) -> int:
+    """The schema of a database; raises where this is none, or of a schema that is not known here."""
     if "format" not in archive.files or "schema" not in archive.files:
         raise InputError(f"{path}: is a .npz file, but no motion database; choose another file")
     if str(archive["format"]) != FORMAT:
@@ -153,6 +153,7 @@ def _check_header(path: str | os.PathLike[str], archive: NpzFile) -> None:
         raise InputError(
             f"{path}: comes from a newer Footwork (schema {schema}, here {SCHEMA}); update Footwork"
         )
+    return int(schema)
 
 
 def _from_arrays(arrays: Arrays) -> MotionDatabase:
@@ -179,7 +180,7 @@ def _from_arrays(arrays: Arrays) -> MotionDatabase:
             arrays["feature_deviation"],
             arrays["trajectory_valid"],
         ),
-        eye_height=float(arrays["eye_height"]),
+        head_height=float(arrays["head_height"]),
         height_range=(low, high),
         tags=tuple(arrays["tags"].tolist()),
         provenance=json.loads(str(arrays["provenance"])),

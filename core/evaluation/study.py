@@ -17,7 +17,7 @@ from ..measure.catalogue import METRICS, get
 from ..measure.metrics import Metrics, Values, pool, summarise
 from ..measure.series import stretch_means
 from ..mocap.take import Take
-from ..settings import BakeSettings
+from ..settings import PAPER, BakeSettings
 from .evaluate import Predict, evaluate_take, lighten
 
 Array = NDArray[np.floating[Any]]
@@ -121,18 +121,9 @@ def as_paper(settings: BakeSettings) -> BakeSettings:
     """The paper's search and nothing after it: the matched motion alone is judged.
 
     Greedy search along a causal trajectory under springs, towards the centre of the head; no head or hands at
-    the trackers, no foot lock. What else is set stays.
+    the trackers, feet as matched. What else is set stays.
     """
-    return replace(
-        settings,
-        search="greedy",
-        trajectory="causal",
-        smoothing="spring",
-        target="head",
-        head=False,
-        arms=False,
-        foot_lock=False,
-    )
+    return replace(settings, **PAPER, head=False, arms=False, feet="matched")
 
 
 def modes(settings: BakeSettings) -> dict[str, BakeSettings]:

@@ -20,11 +20,12 @@ from ..database.motion_database import POSE, TRAJECTORY, MotionDatabase
 from ..jobs import Job
 from ..maths import angles
 from ..settings import BakeSettings
+from .root_motion import last_frames
+from .schedule import Frames, Schedule
 from .search import feature_weights
 from .trajectory import Trajectory
 
 Array = NDArray[np.floating[Any]]
-Frames = NDArray[np.intp]
 
 BEAMS = 32
 """Histories kept."""
@@ -45,18 +46,6 @@ NEAR_S = 1.0 / 3.0
 _BLOCK = 16
 _SAME = 4
 """Histories that play frames this near to each other are one."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Schedule:
-    """What is played from when on: the database at each time is the wanted one."""
-
-    times: Frames
-    """`(K,)` frames of the recording, ascending, the first 0."""
-    frames: Frames
-    """`(K,)` frames of the database played from there."""
-    changes: NDArray[np.bool_]
-    """`(K,)` whether something else plays than what would have followed."""
 
 
 @dataclass(slots=True)
@@ -91,7 +80,7 @@ def find_path(
         databases: all of one skeleton and rate.
         settings: search interval, weights, alpha.
     """
-    reels = {int(i): _Reel(databases[int(i)], settings) for i in np.unique(wanted)}
+    indexed = {int(i): _IndexedDatabase(databases[int(i)], settings) for i in np.unique(wanted)}
     every = min(round(settings.search_every * trajectory.fps), int(horizon_frames(trajectory.fps)[-1]))
     end = len(trajectory) - 1
     grid = set(range(0, max(end, 1), max(every, 1)))
@@ -99,23 +88,23 @@ def find_path(
     goals = np.column_stack([trajectory.targets, trajectory.yaws])
     beam = _Beam(goals[:1].copy(), np.array([-1]), np.zeros(1))
     kept: list[_Options] = []
-    before = reels[int(wanted[0])]
+    before = indexed[int(wanted[0])]
     for k, t in enumerate(times):
-        reel, stop = reels[int(wanted[t])], times[k + 1] if k + 1 < len(times) else max(end, t)
+        index, stop = indexed[int(wanted[t])], times[k + 1] if k + 1 < len(times) else max(end, t)
         poses = before.raw_poses(beam.frames) if k else None
-        options = reel.options(beam, trajectory, t, stop - t, poses, may_stay=k > 0 and reel is before)
-        costs, roots = _charge(reel, beam, options, goals, (t, stop), poses, settings.alpha)
-        costs += FUTURE_WEIGHT * reel.misfit(beam, options, trajectory, t)
+        options = index.options(beam, trajectory, t, stop - t, poses, may_stay=k > 0 and index is before)
+        costs, roots = _charge(index, beam, options, goals, (t, stop), poses, settings.alpha)
+        costs += FUTURE_WEIGHT * index.misfit(beam, options, trajectory, t)
         best = _prune(costs, options.frames)
         kept.append(_Options(options.parents[best], options.frames[best], options.changes[best]))
         beam = _Beam(roots[best], options.frames[best] + stop - t, costs[best])
-        before = reel
+        before = index
         yield t / max(end, 1), "Matching"
     return _trace(kept, int(np.argmin(beam.costs)), np.array(times, dtype=np.intp))
 
 
 def _charge(
-    reel: _Reel,
+    index: _IndexedDatabase,
     beam: _Beam,
     options: _Options,
     goals: Array,
@@ -128,12 +117,12 @@ def _charge(
     costs = beam.costs[options.parents].copy()
     roots = beam.roots[options.parents]
     for t in ((start + stop) // 2, stop):
-        roots = reel.carry(beam.roots[options.parents], options.frames, t - start)
+        roots = index.carry(beam.roots[options.parents], options.frames, t - start)
         away = roots - goals[t]
         squared = np.sum(away[:, :2] ** 2, axis=-1) / POSITION_M**2 + (angles.wrap(away[:, 2]) / YAW_RAD) ** 2
         costs += 0.5 * squared
     if poses is not None:
-        jumps = reel.jumps(poses[options.parents], options.frames)
+        jumps = index.jumps(poses[options.parents], options.frames)
         costs += np.where(options.changes, CHANGE_COST + JUMP_WEIGHT * jumps, 0.0)
     away = roots[:, :2] - goals[stop, :2]
     distance = np.linalg.norm(away, axis=-1, keepdims=True)
@@ -157,7 +146,7 @@ def _trace(kept: Sequence[_Options], last: int, times: Frames) -> Schedule:
     return Schedule(times, frames, changes)
 
 
-class _Reel:
+class _IndexedDatabase:
     """One database made ready for many queries at once."""
 
     def __init__(self, database: MotionDatabase, settings: BakeSettings) -> None:
@@ -167,9 +156,7 @@ class _Reel:
         self._values = np.asarray(features.values * self._scale, dtype=np.float32)
         self._near = round(NEAR_S * database.fps)
         self._positions, self._yaws = np.asarray(poses.root_positions), np.asarray(poses.root_yaws)
-        self._last: Frames = np.empty(len(database), dtype=np.intp)
-        for clip in database.clips:
-            self._last[clip.start : clip.stop] = clip.stop - 1
+        self._last = last_frames(database)
         found = np.flatnonzero(features.trajectory_valid)
         # every so many of them: neighbours in time are nearly the same, and what is played between may start anywhere
         found = found[:: -(-len(found) // CANDIDATES)]

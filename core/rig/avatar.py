@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 from ..body.motion import Motion
 from ..body.retarget import retarget
 from ..body.skeleton import Skeleton
+from ..methods import FOOT_PLANS
 from ..recording.recording import Recording
 from ..recording.targets import joint_targets
 from ..settings import BakeSettings
 from .arms import reach_hands
-from .feet import place_feet, plan_feet
+from .feet import FootPlan, place_feet
 from .ground import Footing, Ground, stand
 from .head import place_head
 
@@ -29,7 +30,7 @@ class AvatarResult:
     motion: Motion
     """On the rig's skeleton, world metres."""
     contacts: NDArray[np.bool_]
-    """`(T, 2)` left, right foot on the ground; with foot lock the frames in which its toe stands still."""
+    """`(T, 2)` left, right foot on the ground; of planted feet the frames in which the toe stands still."""
     unreachable: NDArray[np.bool_]
     """`(T, 2)` left, right hand tracked but out of reach."""
     footing: Footing | None = None
@@ -52,7 +53,7 @@ def animate(
         contacts: `(T, 2)` its foot contacts.
         recording: trackers at the motion's rate, sized for `skeleton`.
         skeleton: the rig's.
-        settings: `head`, `arms`, `foot_lock`, `unlock_distance` and `halflife` are used.
+        settings: `head`, `arms`, `feet`, `unlock_distance` and `halflife` are used.
         roots: `(T, 2)` where on the ground the hips should be, metres; None leaves that to the motion.
         ground: what the feet stand on, in the recording's world; head and hands go up and down with the body.
             None for a flat floor.
@@ -64,16 +65,14 @@ def animate(
         body, moved = place_head(body, targets[:, 0], rotations[:, 0], recording.valid[:, 0], roots)
         # feet keep the matched motion's height and go along with the body over the ground
         steps = replace(steps, positions=steps.positions + np.pad(moved, ((0, 0), (0, 1))))
-    held = contacts if settings.foot_lock else np.zeros_like(contacts)
-    plan = plan_feet(steps, held, settings.unlock_distance, settings.halflife, body)
-    standing = plan.contacts if settings.foot_lock else contacts
+    plan: FootPlan = FOOT_PLANS.function(settings.feet)(steps, contacts, settings, body)
     footing = None
     if ground is not None:
-        plan, footing = stand(body, plan, standing, ground)
+        plan, footing = stand(body, plan, plan.contacts, ground)
         up = footing.lift[:, None] * np.array([0.0, 0.0, 1.0])
         targets, body = targets + up[:, None], replace(body, positions=body.positions + up)
     body = place_feet(body, plan)
     unreachable = np.zeros(contacts.shape, np.bool_)
     if settings.arms:
         body, unreachable = reach_hands(body, targets[:, 1:], rotations[:, 1:], recording.valid[:, 1:])
-    return AvatarResult(body, standing, unreachable, footing)
+    return AvatarResult(body, plan.contacts, unreachable, footing)

@@ -21,9 +21,11 @@ from ..body.pose import with_world_rotations, world_poses
 from ..maths import quat
 from ..maths.easing import smoothstep
 from ..maths.vectors import dot, level, norm, unit
+from ..settings import BakeSettings
 from . import footsteps, locks
 
 Array = NDArray[np.floating[Any]]
+Flags = NDArray[np.bool_]
 
 _SOFT_KNEE = 0.03
 """Metres: a leg bent by less takes the plane of its knee from the shin's own axes."""
@@ -45,17 +47,36 @@ class FootPlan:
     """`(T, 2, 3)` world positions of the toes, metres (see `core.database.contacts.toe_places`)."""
     rotations: Array
     """`(T, 2, 4)` world rotations of the foot joints before heels rise to reach them."""
-    contacts: NDArray[np.bool_]
-    """`(T, 2)` frames in which the toe stands still."""
+    contacts: Flags
+    """`(T, 2)` frames in which the foot is on the ground."""
     heights: Array | None = None
     """`(T, 2)` metres by which the ground of a scene is above the floor under each foot; None for a flat floor."""
     tilts: Array | None = None
     """`(T, 2, 4)` its slope there: rotations from upright."""
 
 
+def plant_feet(motion: Motion, contacts: Flags, settings: BakeSettings, body: Motion) -> FootPlan:
+    """Feet locked to the floor while they touch it.
+
+    Args:
+        motion: metres, the floor at Z = 0.
+        contacts: `(T, 2)` left, right foot on the ground.
+        settings: `unlock_distance` and `halflife` are used.
+        body: the motion whose hips the legs will hang from.
+    """
+    return plan_feet(motion, contacts, settings.unlock_distance, settings.halflife, body)
+
+
+def follow_feet(motion: Motion, contacts: Flags, settings: BakeSettings, body: Motion) -> FootPlan:
+    """Feet as the motion has them, but above the floor and within reach; arguments as for `plant_feet`."""
+    free = np.zeros_like(contacts)
+    plan = plan_feet(motion, free, settings.unlock_distance, settings.halflife, body)
+    return replace(plan, contacts=contacts)
+
+
 def plan_feet(
     motion: Motion,
-    contacts: NDArray[np.bool_],
+    contacts: Flags,
     unlock_distance: float,
     halflife: float,
     body: Motion | None = None,

@@ -1,11 +1,5 @@
-"""Causal trajectory with springs, as in the paper's results."""
+"""The bake settings of this name in Footwork's `core/settings.py`."""
 
 import bpy
 
-settings = bpy.context.scene.footwork.bake
-
-for name in settings.__annotations__:
-    settings.property_unset(name)
-settings.trajectory = "causal"
-settings.smoothing = "spring"
-settings.alpha = 0.3
+bpy.ops.footwork.use_bake_preset(name="As in the Paper")

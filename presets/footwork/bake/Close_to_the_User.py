@@ -1,9 +1,5 @@
-"""The avatar stays within ten centimetres of the user."""
+"""The bake settings of this name in Footwork's `core/settings.py`."""
 
 import bpy
 
-settings = bpy.context.scene.footwork.bake
-
-for name in settings.__annotations__:
-    settings.property_unset(name)
-settings.alpha = 0.1
+bpy.ops.footwork.use_bake_preset(name="Close to the User")

@@ -1,8 +1,5 @@
-"""Everything as it comes."""
+"""The bake settings of this name in Footwork's `core/settings.py`."""
 
 import bpy
 
-settings = bpy.context.scene.footwork.bake
-
-for name in settings.__annotations__:
-    settings.property_unset(name)
+bpy.ops.footwork.use_bake_preset(name="Default")

@@ -57,7 +57,7 @@ def test_another_skeleton_can_be_given(as_take) -> None:
     tall, small = (as_take(demo_motion("turn", height=height), "turn") for height in (1.9, 1.6))
     database = build([small], skeleton=tall.motion.skeleton)
     assert database.skeleton is tall.motion.skeleton
-    assert database.eye_height == pytest.approx(build([tall]).eye_height, rel=0.01)
+    assert database.head_height == pytest.approx(build([tall]).head_height, rel=0.01)
 
 
 def test_folders_of_the_takes_do_not_matter(as_take, tmp_path) -> None:
@@ -72,11 +72,11 @@ def test_folders_of_the_takes_do_not_matter(as_take, tmp_path) -> None:
     assert b"/home/" not in (tmp_path / "0.npz").read_bytes()
 
 
-def test_eye_height_is_the_head_joints_of_a_body_at_ease(as_take) -> None:
+def test_head_height_is_the_head_joints_of_a_body_at_ease(as_take) -> None:
     motion = demo_motion("turn")
     # the demo stands with its hips, 0.95 m in T-pose, at 0.985 of that, the trunk as in T-pose
     tall = motion.skeleton.tpose_positions()[motion.skeleton.names.index("Head"), 2]
-    assert build([as_take(motion)]).eye_height == pytest.approx(tall - 0.015 * 0.95)
+    assert build([as_take(motion)]).head_height == pytest.approx(tall - 0.015 * 0.95)
 
 
 def test_mirror_follows_after_the_originals(as_take) -> None:
@@ -178,7 +178,7 @@ def test_takes_on_another_skeleton_are_carried_over(as_take) -> None:
     np.testing.assert_allclose(
         both.poses.hips_positions[half:, 2].mean(), own.poses.hips_positions[:, 2].mean(), atol=0.01
     )
-    assert both.eye_height == own.eye_height
+    assert both.head_height == own.head_height
 
 
 def test_same_bones_keep_the_motion_as_it_is(as_take) -> None:
@@ -216,7 +216,7 @@ def test_variants_go_with_the_upright_database(as_take) -> None:
         (1.02, 2.0),
     )
     for variant, share in ((crouched, 0.7), (risen, 1.04)):
-        assert variant.eye_height == upright.eye_height
+        assert variant.head_height == upright.head_height
         assert json.loads(variant.provenance["settings"])["body_height"] == share
         np.testing.assert_array_equal(variant.poses.contacts, upright.poses.contacts)
         told = [describe_database(database)["headset_height_ratio"] for database in (upright, variant)]

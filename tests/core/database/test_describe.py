@@ -94,7 +94,7 @@ def test_headset_heights_are_the_simulated_headsets(as_take) -> None:
     positions, rotations = motion.forward()
     head = motion.skeleton.names.index("Head")
     expected = positions[:, head] + quat.rotate(rotations[:, head], SIMULATED_MOUNTS.offsets[0])
-    ratios = expected[:, 2] / database.eye_height
+    ratios = expected[:, 2] / database.head_height
     for name, share in (("min", 0.0), ("p5", 5.0), ("median", 50.0), ("p95", 95.0), ("max", 100.0)):
         assert told[name] == pytest.approx(np.percentile(ratios, share), abs=1e-4)
 

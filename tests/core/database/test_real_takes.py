@@ -69,7 +69,7 @@ def test_a_walk_walks(walk: MotionDatabase) -> None:
     assert feet["airborne_share"] < 0.1
     assert feet["foot_skate_cm_s"] < 6.0
     assert -0.02 < feet["toe_height_m"]["median"] < 0.06
-    assert 1.4 < walk.eye_height < 1.9
+    assert 1.4 < walk.head_height < 1.9
     assert 0.9 < described["headset_height_ratio"]["median"] < 1.05
 
 

@@ -46,7 +46,7 @@ def test_round_trip_is_exact(small: MotionDatabase, saved: Path) -> None:
             after = getattr(getattr(loaded, part), item.name)
             np.testing.assert_array_equal(after, before)
             assert after.dtype == before.dtype
-    for name in ("name", "fps", "clips", "eye_height", "height_range", "tags", "provenance"):
+    for name in ("name", "fps", "clips", "head_height", "height_range", "tags", "provenance"):
         assert getattr(loaded, name) == getattr(small, name)
     for name in ("names", "roles"):
         assert getattr(loaded.skeleton, name) == getattr(small.skeleton, name)
@@ -65,7 +65,7 @@ def test_numpy_alone_reads_it(small: MotionDatabase, saved: Path) -> None:
     arrays = arrays_of(saved)
     assert set(arrays) == {"format", "schema", "producer", *LAYOUT}
     assert str(arrays["format"]) == "footwork-motion-database"
-    assert int(arrays["schema"]) == 1
+    assert int(arrays["schema"]) == 2
     assert arrays["rotations"].dtype == np.float32
     assert arrays["features"].dtype == np.float32
     assert arrays["tags"].tolist() == list(small.tags)
@@ -75,6 +75,20 @@ def test_the_manual_names_every_array() -> None:
     manual = Path(__file__).parents[3] / "docs" / "database-format.md"
     text = manual.read_text("utf-8")
     assert [name for name in ("format", "schema", "producer", *LAYOUT) if f"`{name}`" not in text] == []
+
+
+def test_files_of_the_first_schema_still_load(small: MotionDatabase, saved: Path, tmp_path: Path) -> None:
+    arrays = arrays_of(saved)
+    arrays["schema"], arrays["eye_height"] = np.array(1), np.array(1.375)
+    del arrays["head_height"]
+    np.savez(tmp_path / "old.npz", **arrays)
+    old = load_database(tmp_path / "old.npz")
+    assert old.head_height == 1.375
+    np.testing.assert_array_equal(old.poses.rotations, load_database(saved).poses.rotations)
+    # what a name means goes by the schema
+    arrays["schema"] = np.array(2)
+    np.savez(tmp_path / "mixed.npz", **arrays)
+    assert "no array 'head_height'" in fault(tmp_path / "mixed.npz")
 
 
 def test_no_tags_and_unknown_arrays(saved: Path, tmp_path: Path) -> None:
@@ -131,12 +145,12 @@ def swap(name: str, value: Any):
 
 
 FAULTS = {
-    "newer schema": (swap("schema", 2), "comes from a newer Footwork (schema 2, here 1); update"),
+    "newer schema": (swap("schema", 3), "comes from a newer Footwork (schema 3, here 2); update"),
     "schema text": (swap("schema", "one"), "schema is no number"),
     "other format": (swap("format", "footwork-predictor"), "'footwork-predictor', no motion database"),
     "texts for numbers": (swap("fps", "60"), "'fps' holds <U2"),
     "fps": (swap("fps", 0.0), "'fps' is 0"),
-    "eye height": (swap("eye_height", -1.0), "'eye_height'"),
+    "head height": (swap("head_height", -1.0), "'head_height'"),
     "height range": (swap("height_range", [1.0, 0.5]), "1 to 0.5 is empty"),
     "no unit": (put("rotations", (5, 3), [2.0, 0.0, 0.0, 0.0]), "unit length"),
     "parents order": (put("joint_parents", 4, 9), "no hierarchy"),

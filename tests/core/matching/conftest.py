@@ -111,7 +111,7 @@ def database(
         ),
         poses=PoseDatabase(*(np.concatenate([getattr(p, f) for p, _, _ in clips]) for f in fields)),
         features=FeatureDatabase(((values - mean) / deviation).astype(np.float32), mean, deviation, valid),
-        eye_height=1.6,
+        head_height=1.6,
         height_range=height_range,
     )
 

@@ -8,8 +8,9 @@ from itertools import pairwise
 import numpy as np
 from footwork.core.database.motion_database import MotionDatabase
 from footwork.core.jobs import run
-from footwork.core.matching.path_search import POSITION_M, Schedule, find_path
+from footwork.core.matching.path_search import POSITION_M, find_path
 from footwork.core.matching.playback import match
+from footwork.core.matching.schedule import Schedule
 from footwork.core.matching.trajectory import Trajectory, make_trajectory
 from footwork.core.settings import BakeSettings
 from hypothesis import given, settings

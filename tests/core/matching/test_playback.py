@@ -8,7 +8,8 @@ import pytest
 from footwork.core.database.motion_database import MotionDatabase
 from footwork.core.errors import InputError
 from footwork.core.jobs import run
-from footwork.core.matching.playback import Playback, match, quick_changes
+from footwork.core.matching.greedy_search import quick_changes
+from footwork.core.matching.playback import Playback, match
 from footwork.core.matching.selection import choose_databases
 from footwork.core.matching.trajectory import Trajectory, make_trajectory
 from footwork.core.settings import BakeSettings

@@ -116,7 +116,7 @@ def test_knees_and_elbows_bend_their_own_way(case, world) -> None:
 def test_settings_leave_parts_to_the_match(visit: Motion, world) -> None:
     recording = simulate_recording(visit, "visit")
     contacts = find_contacts(toe_positions(visit), visit.fps)
-    off = replace(BakeSettings(), head=False, arms=False, foot_lock=False)
+    off = replace(BakeSettings(), head=False, arms=False, feet="matched")
     result = animate(spoilt(visit), contacts, recording, visit.skeleton, off)
     np.testing.assert_array_equal(result.motion.positions, spoilt(visit).positions)
     np.testing.assert_array_equal(result.contacts, contacts)

@@ -25,7 +25,7 @@ CONTACTS = find_contacts(toe_positions(USER), USER.fps)
 RECORDING = simulate_recording(USER, "user")
 
 
-def bake(ground: Ground | None, contacts: np.ndarray = CONTACTS, **options: bool) -> AvatarResult:
+def bake(ground: Ground | None, contacts: np.ndarray = CONTACTS, **options: object) -> AvatarResult:
     chosen = replace(BakeSettings(), **options)
     return animate(USER, contacts, RECORDING, USER.skeleton, chosen, ground=ground)
 
@@ -169,8 +169,8 @@ def test_no_ground_is_a_floor_at_zero_and_told() -> None:
 @pytest.mark.parametrize("contacts", [CONTACTS, np.zeros_like(CONTACTS)], ids=["contacts", "never"])
 def test_feet_that_are_not_locked_follow_the_ground(contacts: np.ndarray) -> None:
     ground = plane(0.0, 0.2)
-    result = bake(ground, contacts, foot_lock=False)
-    flat = bake(None, contacts, foot_lock=False)
+    result = bake(ground, contacts, feet="matched")
+    flat = bake(None, contacts, feet="matched")
     toes, before = toe_positions(result.motion), toe_positions(flat.motion)
     over = toes[..., 2] - under(ground, toes) - before[..., 2]
     assert over.min() > -0.02 and over.max() < 0.15
