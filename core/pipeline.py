@@ -19,8 +19,9 @@ from .matching.body_target import body_targets
 from .matching.inertialization import assemble
 from .matching.playback import Playback, match
 from .matching.trajectory import make_trajectory
-from .measure.metrics import Values, Yardstick, body_of, summarise
+from .measure.catalogue import METRICS, Values, measure, summarise
 from .measure.series import series
+from .measure.subject import Yardstick, body_of
 from .recording.orientation import Orientation, orientation_doubts
 from .recording.recording import Recording
 from .recording.resample import resample
@@ -136,7 +137,7 @@ def bake(
         ground=ground,
         doubt=orientation.doubt,
     )
-    values = yardstick.measure(body_of(avatar.motion))
+    values = measure(yardstick, body_of(avatar.motion))
     clock.lap("measures")
     report = _report(recording, databases, settings, scales, values, doubts, clock)
     times = playback.transitions / fps
@@ -204,12 +205,13 @@ def scale_motion(motion: Motion, factor: float) -> Motion:
 def report_in_words(report: dict[str, Any]) -> str:
     """The figures that a person looks at first, a line each."""
     metrics = report["metrics"]
-    lines = [f"  {'':<26}{'mean':>8}{'p95':>8}{'max':>8}{'floor':>8}"]
-    for name, label in _IN_WORDS.items():
-        if name in metrics:
+    lines = [f"  {'':<38}{'mean':>8}{'p95':>8}{'max':>8}{'floor':>8}"]
+    for name, metric in METRICS.items():
+        if "summary" in metric.tables and name in metrics:
             row = metrics[name]
+            label = f"{metric.label}, {metric.unit.replace('°', 'degrees')}"
             floor = f"{row['floor']['mean']:8.2f}" if "floor" in row else ""
-            lines.append(f"  {label:<26}{row['mean']:8.2f}{row['p95']:8.2f}{row['max']:8.2f}{floor}")
+            lines.append(f"  {label:<38}{row['mean']:8.2f}{row['p95']:8.2f}{row['max']:8.2f}{floor}")
     timing = report["timing_s"]
     seconds = sum(value for stage, value in timing.items() if stage != "recorded")
     lines.append(
@@ -218,18 +220,6 @@ def report_in_words(report: dict[str, Any]) -> str:
     )
     lines.append(f"  {timing['recorded']:.1f} s recorded, baked in {seconds:.2f} s")
     return "\n".join(lines + [f"  warning: {warning}" for warning in report["warnings"]])
-
-
-_IN_WORDS = {
-    "root_error_cm": "root error, cm",
-    "yaw_error_deg": "yaw error, degrees",
-    "foot_skate_cm_s": "foot skate, cm/s",
-    "penetration_cm": "below the floor, cm",
-    "head_position_error_cm": "head error, cm",
-    "head_rotation_error_deg": "head error, degrees",
-    "hand_position_error_cm": "hand error, cm",
-    "lower_body_mpjpe_cm": "legs beside the truth, cm",
-}
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,29 +9,11 @@ import numpy as np
 from bpy.props import IntProperty
 from numpy.typing import NDArray
 
-FIGURES = (
-    ("root_error_cm", "Body to user", "cm", 15.0, "Distance of the avatar's root from the user's body"),
-    (
-        "yaw_error_deg",
-        "Body direction",
-        "°",
-        12.0,
-        "Angle between the avatar's and the predicted body direction",
-    ),
-    ("foot_skate_cm_s", "Foot skate", "cm/s", 3.0, "Sliding of toes that should stand still"),
-    ("head_position_error_cm", "Head", "cm", 1.0, "Distance of the head from where the headset wants it"),
-    (
-        "hand_position_error_cm",
-        "Hands",
-        "cm",
-        1.0,
-        "Distance of the hands from where the controllers want them",
-    ),
-    ("penetration_cm", "Below the floor", "cm", 0.5, "Depth of toes below the floor"),
-)
-"""Key in the report, label, unit, the mean up to which it counts as good, meaning."""
-GRAPHED = ("root_error_cm", "yaw_error_deg", "foot_skate_cm_s")
-"""The figures that are shown over time."""
+from ..core.measure.catalogue import METRICS
+from ..core.measure.metric import Metric
+
+IN_SHORT = ("root_error_cm", "yaw_error_deg", "foot_skate_cm_s")
+"""The metrics of the status bar."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +22,7 @@ class Row:
 
     label: str
     unit: str
-    limit: float
+    limit: float | None
     values: NDArray[np.floating[Any]]
     """Mean of each step; NaN where nothing was to be measured."""
 
@@ -64,7 +46,7 @@ class OverTime:
 def over_time(report: dict, frame_start: int, fps: float) -> str:
     """What the scene keeps for the graph, as JSON; frames are those of the action."""
     series = report["series"]
-    kept = {key: series[key] for key in GRAPHED if key in series}
+    kept = {metric.name: series[metric.name] for metric in shown_in("graph") if metric.name in series}
     seconds = report["timing_s"]["recorded"]
     return json.dumps(
         {
@@ -81,9 +63,9 @@ def read_over_time(text: str) -> OverTime:
     """What `over_time` wrote."""
     kept = json.loads(text)
     rows = tuple(
-        Row(label, unit, limit, np.array(kept["series"][key], dtype=np.float64))
-        for key, label, unit, limit, _ in FIGURES
-        if key in kept["series"]
+        Row(metric.heading, metric.unit, metric.limit, np.array(kept["series"][metric.name], np.float64))
+        for metric in shown_in("graph")
+        if metric.name in kept["series"]
     )
     return OverTime(kept["frame_start"], kept["fps"], kept["seconds"], kept["step_s"], rows)
 
@@ -94,16 +76,19 @@ def show(footwork: bpy.types.PropertyGroup, report: dict, title: str, fps: float
     metrics = report["metrics"]
     footwork.figures.clear()
     footwork.figures_of = title
-    for key, label, unit, limit, text in FIGURES:
-        figure = metrics.get(key)
+    for metric in shown_in("panel"):
+        figure = metrics.get(metric.name)
         if figure is None:
             continue
         row = footwork.figures.add()
-        row.name, row.text = label, text
-        row.value = f"{figure['mean']:.1f} {unit}"
-        row.detail = f"95 % within {figure['p95']:.1f}, at most {figure['max']:.1f} {unit}"
-        row.good = "GOOD" if figure["mean"] <= limit else "POOR"
-    for label, value, text in _scalars(report):
+        row.name, row.text = metric.heading, metric.says
+        mean = figure["mean"] if isinstance(figure, dict) else figure
+        row.value = metric.text(mean)
+        if isinstance(figure, dict):
+            row.detail = f"95 % within {figure['p95']:.1f}, at most {figure['max']:.1f} {metric.unit}"
+        if metric.limit is not None:
+            row.good = "GOOD" if mean <= metric.limit else "POOR"
+    for label, value, text in _speed(report):
         row = footwork.figures.add()
         row.name, row.value, row.text = label, value, text
     footwork.warnings = "\n".join(report["warnings"])
@@ -111,25 +96,21 @@ def show(footwork: bpy.types.PropertyGroup, report: dict, title: str, fps: float
 
 def in_short(report: dict) -> str:
     """One line of figures for the status bar."""
-    metrics, parts = report["metrics"], []
-    for key, label, unit, _, _ in FIGURES[:3]:
-        if key in metrics:
-            parts.append(f"{label.lower()} {metrics[key]['mean']:.1f} {unit}")
-    return ", ".join(parts)
-
-
-def _scalars(report: dict):
     metrics = report["metrics"]
-    if "transitions_per_s" in metrics:
-        yield "Transitions", f"{metrics['transitions_per_s']:.1f} per s", "Changes of place in the databases"
-    if "poses_used" in metrics:
-        yield "Poses used", f"{metrics['poses_used']}", "Different poses of the databases that were played"
-    if "clamped_fraction" in metrics:
-        text = "Share of frames that were held at the position accuracy"
-        yield "Held at accuracy", f"{metrics['clamped_fraction']:.0%}", text
-    if "unreachable_fraction" in metrics:
-        text = "Share of frames in which a hand could not reach its controller"
-        yield "Out of reach", f"{metrics['unreachable_fraction']:.0%}", text
+    return ", ".join(
+        f"{METRICS[name].heading.lower()} {METRICS[name].text(metrics[name]['mean'])}"
+        for name in IN_SHORT
+        if name in metrics
+    )
+
+
+def shown_in(table: str) -> list[Metric]:
+    """The metrics of "panel" or "graph"."""
+    return [metric for metric in METRICS.values() if table in metric.tables]
+
+
+def _speed(report: dict):
+    """How quickly the bake was made."""
     timing = report.get("timing_s", {})
     if timing:
         spent = max(sum(value for key, value in timing.items() if key != "recorded"), 1e-3)

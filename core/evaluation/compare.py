@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from typing import Any, cast
 
 from ..errors import InputError
-from ..measure.catalogue import METRICS, get
+from ..measure.catalogue import METRICS
+from ..measure.metric import get
 
 TOLERANCE = 0.05
 """Change, as a share of the old figure, up to which nothing is said to have changed."""

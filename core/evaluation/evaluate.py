@@ -14,8 +14,9 @@ from ..database.motion_database import MotionDatabase
 from ..database.virtual_root import virtual_root
 from ..jobs import Job, part
 from ..measure import measures
-from ..measure.metrics import Body, Values, body_of, pool, summarise
+from ..measure.catalogue import Values, measure, pool, summarise
 from ..measure.series import series
+from ..measure.subject import Body, body_of
 from ..mocap.take import Take
 from ..pipeline import BakeResult, bake
 from ..recording.orientation import Orientation
@@ -113,7 +114,7 @@ def evaluate_take(
         shown = Body(body.skeleton, body.fps, *show(result))
         report["agreement"] = agreement(shown, body)
         body = shown
-    values = result.yardstick.measure(body)
+    values = measure(result.yardstick, body)
     report.update(metrics=summarise(values), series=series(values))
     return Evaluated(result, values, report)
 

@@ -182,7 +182,8 @@ def _cloud_plot(study: Study, runs: Mapping[str, Runs], mode: str) -> Plot:
     lines = [Line("database", *everything[::every].T)]
     for alpha in ALPHAS:
         run = runs[f"{mode}|{alpha}"]
-        used = np.unique(np.concatenate([values.poses for values in run.values]), axis=0)
+        played = np.concatenate([values.own["poses_used"] for values in run.values])
+        used = np.unique(played, axis=0).astype(np.intp)
         points = np.concatenate([place[used[used[:, 0] == i, 1]] for i, place in enumerate(places)])
         lines.append(Line(f"alpha {alpha:g} m: {len(used)} poses", *points.T))
     return Plot(f"Position in 0.33 s, {mode}", "to the right, m", "forward, m", lines, kind="points")

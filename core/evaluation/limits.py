@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..errors import InputError
-from ..measure.catalogue import METRICS, STATISTICS, get
+from ..measure.catalogue import METRICS
+from ..measure.metric import STATISTICS, get
 
 _COMPARE: dict[str, Callable[[float, float], bool]] = {
     ">": operator.gt,

@@ -7,7 +7,8 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Any
 
-from ..measure.catalogue import METRICS, STATISTICS
+from ..measure.catalogue import METRICS
+from ..measure.metric import STATISTICS
 
 _STYLE = """
 body { font: 15px/1.5 system-ui, sans-serif; color: #222; background: #fff; max-width: 72rem; margin: 2rem auto;

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from ..database.motion_database import MotionDatabase
 from ..jobs import Job, part
 from ..matching.playback import Playback
-from ..measure.catalogue import METRICS, get
-from ..measure.metrics import Metrics, Values, pool, summarise
+from ..measure.catalogue import METRICS, Metrics, Values, pool, summarise
+from ..measure.metric import get
 from ..measure.series import stretch_means
 from ..mocap.take import Take
 from ..settings import PAPER, BakeSettings
@@ -110,7 +110,7 @@ class Runs:
 
     def mean(self, name: str) -> float:
         """The mean of a metric over all frames of all users."""
-        return get(self.metrics, name if METRICS[name].kind == "number" else f"{name}.mean") or 0.0
+        return get(self.metrics, f"{name}.mean" if METRICS[name].kind == "distribution" else name) or 0.0
 
     def joined(self, name: str) -> Array:
         """A metric's values over time, one user after the other."""

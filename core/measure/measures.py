@@ -16,6 +16,8 @@ from ..maths import angles, quat
 Array = NDArray[np.floating[Any]]
 Flags = NDArray[np.bool_]
 
+CM = 100.0
+"""Centimetres in a metre."""
 NSM_HEIGHT_M = 0.025
 """Height above which a foot does not skate at all (Starke et al. 2019, after Zhang et al. 2018)."""
 RATIO_HEIGHT_M = 0.05

@@ -2,45 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .metrics import Values
+from .catalogue import METRICS, Values
 
 Array = NDArray[np.floating[Any]]
 
-SHOWN = (
-    "root_error_cm",
-    "matched_root_error_cm",
-    "hips_error_cm",
-    "yaw_error_deg",
-    "body_yaw_error_deg",
-    "orientation_error_deg",
-    "orientation_doubt_deg",
-    "foot_skate_cm_s",
-    "penetration_cm",
-    "head_position_error_cm",
-    "hand_position_error_cm",
-    "lower_body_mpjpe_cm",
-    "clamped_fraction",
-    "transitions_per_s",
-)
-"""The metrics of a report's `series`, as far as they were measured."""
 
-
-def series(values: Values, step_s: float = 1.0, names: Sequence[str] = SHOWN) -> dict[str, Any]:
-    """Means over stretches of time.
+def series(values: Values, step_s: float = 1.0) -> dict[str, Any]:
+    """Means over stretches of time, of the metrics that reports have over time.
 
     Returns:
         `{"step_s": ..., NAME: [mean or None for each stretch], ...}`, ready for JSON; the last stretch may
         be shorter; None where nothing was to be measured.
     """
     out: dict[str, Any] = {"step_s": step_s}
-    for name in names:
-        if name in values.own:
+    for name, metric in METRICS.items():
+        if metric.series and name in values.own:
             means = stretch_means(values.own[name], round(step_s * values.fps))
             out[name] = [None if np.isnan(mean) else round(mean, 4) for mean in means.tolist()]
     return out

@@ -8,7 +8,8 @@ import pytest
 from footwork.core.errors import InputError
 from footwork.core.evaluation.compare import compare_reports, comparison_in_words
 from footwork.core.evaluation.limits import failures, parse_limit
-from footwork.core.measure.catalogue import METRICS, get
+from footwork.core.measure.catalogue import METRICS
+from footwork.core.measure.metric import KINDS, TABLES, get
 
 SKATE = {"mean": 2.5, "std": 1.0, "p95": 6.0, "max": 9.0, "count": 100}
 METRICS_NOW: dict[str, Any] = {
@@ -76,7 +77,8 @@ def test_getting_figures() -> None:
 
 def test_every_metric_is_explained() -> None:
     for name, metric in METRICS.items():
-        assert metric.label and metric.says and metric.kind in ("distribution", "number", "count"), name
+        assert metric.name == name and metric.label and metric.says and metric.kind in KINDS, name
+        assert set(metric.tables) <= set(TABLES), name
 
 
 def report(**changes: Any) -> dict[str, Any]:

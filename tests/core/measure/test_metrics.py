@@ -17,7 +17,10 @@ from footwork.core.database.virtual_root import virtual_root
 from footwork.core.errors import InputError
 from footwork.core.matching.playback import Playback
 from footwork.core.maths import quat
-from footwork.core.measure.metrics import Yardstick, body_of, pose_jumps, summarise
+from footwork.core.measure.catalogue import measure as measure_all
+from footwork.core.measure.catalogue import summarise
+from footwork.core.measure.played import pose_jumps
+from footwork.core.measure.subject import Yardstick, body_of
 from footwork.core.mocap.demo import demo_motion
 from footwork.core.recording.recording import Recording
 from footwork.core.recording.simulate import simulate_recording
@@ -76,7 +79,7 @@ def playback(truth: Motion) -> Playback:
 
 
 def bake_metrics(motion: Motion, *against: Any, **more: Any) -> dict[str, Any]:
-    return summarise(Yardstick(*against, **more).measure(body_of(motion)))
+    return summarise(measure_all(Yardstick(*against, **more), body_of(motion)))
 
 
 def measure(motion: Motion, truth: Motion, trackers: Recording) -> dict[str, Any]:

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from footwork.core.measure.metrics import Values, pool, summarise
+from footwork.core.measure.catalogue import Values, pool, summarise
 from footwork.core.measure.series import series, stretch_means
 
 
-def values(own: dict[str, list], floor: dict[str, list] | None = None, poses: list | None = None) -> Values:
+def values(own: dict[str, list], floor: dict[str, list] | None = None) -> Values:
     def arrays(side: dict[str, list]) -> dict[str, np.ndarray]:
         return {name: np.array(rows, dtype=float) for name, rows in side.items()}
 
-    return Values(2.0, arrays(own), arrays(floor or {}), np.array(poses or [[0, 0]], dtype=np.intp))
+    return Values(2.0, arrays(own), arrays(floor or {}))
 
 
 def test_means_of_stretches_leave_out_what_does_not_count() -> None:
@@ -28,9 +28,12 @@ def test_series_have_a_value_for_each_second_or_none() -> None:
 
 
 def test_pooled_takes_count_by_their_length() -> None:
-    short = values({"root_error_cm": [10.0], "jitter": [1.0]}, {"root_error_cm": [1.0]}, [[0, 5], [0, 6]])
+    short = values(
+        {"root_error_cm": [10.0], "jitter": [1.0], "poses_used": [[0, 5], [0, 6]]}, {"root_error_cm": [1.0]}
+    )
     long = values(
-        {"root_error_cm": [1.0] * 9, "jitter": [3.0]}, {"root_error_cm": [0.0] * 3}, [[0, 6], [1, 6]]
+        {"root_error_cm": [1.0] * 9, "jitter": [3.0], "poses_used": [[0, 6], [1, 6]]},
+        {"root_error_cm": [0.0] * 3},
     )
     metrics = summarise(pool([short, long]))
     assert metrics["root_error_cm"]["mean"] == pytest.approx(1.9)

@@ -1,0 +1,127 @@
+"""Where the body is, and which way it faces."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from . import measures
+from .measures import CM, Array, counted
+from .metric import Metric
+from .subject import Subject
+
+
+def _to_target(subject: Subject) -> Array:
+    return measures.distances(subject.body.root_positions, subject.targets) * CM
+
+
+def _to_head(subject: Subject) -> Array:
+    away = measures.distances(subject.body.root_positions, subject.devices[0][:, 0, :2]) * CM
+    return counted(away, subject.tracked[:, 0])
+
+
+def _to_true_hips(subject: Subject) -> Array | None:
+    if subject.user is None:
+        return None
+    return measures.distances(subject.body.root_positions, subject.user.root_positions) * CM
+
+
+def _matched_to_target(subject: Subject) -> Array:
+    matched = subject.playback.root_positions * subject.yardstick.scale
+    return measures.distances(matched, subject.targets) * CM
+
+
+def _yaw_to_prediction(subject: Subject) -> Array:
+    return np.degrees(measures.yaw_errors(subject.body.root_yaws, subject.playback.target_yaws))
+
+
+def _yaw_to_truth(subject: Subject) -> Array | None:
+    if subject.user is None:
+        return None
+    return np.degrees(measures.yaw_errors(subject.body.root_yaws, subject.user.root_yaws))
+
+
+def _prediction_to_truth(subject: Subject) -> Array | None:
+    if subject.user is None:
+        return None
+    return np.degrees(measures.yaw_errors(subject.playback.target_yaws, subject.user.root_yaws))
+
+
+def _doubt(subject: Subject) -> Array | None:
+    doubt = subject.yardstick.doubt
+    return None if doubt is None else np.degrees(doubt)
+
+
+METRICS = (
+    Metric(
+        "root_error_cm",
+        "root error to the target",
+        "cm",
+        "Hips on the ground to the target that the search was given",
+        _to_target,
+        floor=True,
+        series=True,
+        tables=("summary", "panel", "graph"),
+        short="Body to user",
+        limit=15.0,
+    ),
+    Metric(
+        "root_to_head_cm",
+        "root error to the head",
+        "cm",
+        "Hips on the ground to the centre of the tracked head on the ground (the paper's target)",
+        _to_head,
+        floor=True,
+    ),
+    Metric(
+        "hips_error_cm",
+        "root error to the true hips",
+        "cm",
+        "Hips to the true hips, on the ground",
+        _to_true_hips,
+        series=True,
+    ),
+    Metric(
+        "matched_root_error_cm",
+        "root error of the matched motion",
+        "cm",
+        "The same as the first, before the avatar was put under the headset: what alpha bounds",
+        _matched_to_target,
+        series=True,
+    ),
+    Metric(
+        "yaw_error_deg",
+        "yaw error to the prediction",
+        "°",
+        "Heading of the hips to the predicted body orientation",
+        _yaw_to_prediction,
+        floor=True,
+        series=True,
+        tables=("summary", "panel", "graph"),
+        short="Body direction",
+        limit=12.0,
+    ),
+    Metric(
+        "body_yaw_error_deg",
+        "yaw error to the truth",
+        "°",
+        "Heading of the hips to that of the true hips",
+        _yaw_to_truth,
+        series=True,
+    ),
+    Metric(
+        "orientation_error_deg",
+        "orientation error",
+        "°",
+        "Predicted body orientation to the heading of the true hips",
+        _prediction_to_truth,
+        series=True,
+    ),
+    Metric(
+        "orientation_doubt_deg",
+        "orientation doubt",
+        "°",
+        "Deviation that the predictor itself expects of the body orientation",
+        _doubt,
+        series=True,
+    ),
+)
