@@ -12,7 +12,9 @@ from mathutils import Matrix
 from ..core.body import hierarchy
 from ..core.body.skeleton import REQUIRED_ROLES, ROLES
 from ..core.errors import InputError
+from ..core.mocap.families import NamingFamily, families
 from ..core.mocap.roles import match_roles
+from ..core.presets import Presets
 from ..core.rig.rig import Rig
 
 ROLE_MAP = "footwork_roles"
@@ -64,13 +66,13 @@ def armature_to_rig(obj: bpy.types.Object, metres_per_unit: float = 1.0) -> Rig:
 def detected_roles(obj: bpy.types.Object) -> dict[str, str]:
     """Role -> bone name as found from the names alone; empty where no preset fits."""
     names, parents, _ = _hierarchy(obj)
-    return dict(_detect(names, parents)[1])
+    return dict(_detect(names, parents, families())[1])
 
 
 def detected_preset(obj: bpy.types.Object) -> tuple[str, tuple[str, ...]]:
     """Name of the naming that fits the armature ("" for none), and what is doubtful about it."""
     names, parents, _ = _hierarchy(obj)
-    preset, _, doubts = _detect(names, parents)
+    preset, _, doubts = _detect(names, parents, families())
     return preset, doubts
 
 
@@ -105,7 +107,7 @@ def set_roles(obj: bpy.types.Object, overrides: Mapping[str, str]) -> None:
 def rig_doubts(obj: bpy.types.Object) -> tuple[str, ...]:
     """One line for each thing on the armature that will show in, or spoil, a bake."""
     mapped = [obj.pose.bones[bone] for bone in role_map(obj).values() if bone in obj.pose.bones]
-    doubts = list(detected_preset(obj)[1])
+    doubts = [*families().skipped, *detected_preset(obj)[1]]
     if obj.data.pose_position == "REST":
         doubts.append("It is shown in rest position and will not move: switch to pose position")
     if any(not constraint.mute for constraint in obj.constraints):
@@ -227,14 +229,14 @@ def _copied(obj: bpy.types.Object, bone: bpy.types.PoseBone) -> str:
 
 @lru_cache(maxsize=16)
 def _detect(
-    names: tuple[str, ...], parents: tuple[int, ...]
+    names: tuple[str, ...], parents: tuple[int, ...], known: Presets[NamingFamily]
 ) -> tuple[str, tuple[tuple[str, str], ...], tuple[str, ...]]:
     try:
-        match = match_roles(names, np.array(parents, dtype=np.intp))
+        match = match_roles(names, np.array(parents, dtype=np.intp), known.entries)
     except InputError:
         return "", (), ()
     pairs = tuple((role, name) for role, name in zip(match.roles, names, strict=True) if role)
-    return match.preset, pairs, tuple(match.doubts)
+    return match.family, pairs, tuple(match.doubts)
 
 
 def _roles(obj: bpy.types.Object, names: tuple[str, ...], wanted: Mapping[str, str]) -> tuple[str, ...]:

@@ -219,7 +219,9 @@ def _add_bake(sub: argparse.ArgumentParser) -> None:
 
 def inspect(options: argparse.Namespace) -> Report:
     """What is in takes and recordings, and what is doubtful."""
+    from ..core.mocap.families import families
     from ..core.mocap.takes import load_take
+    from ..core.recording.layouts import layouts
     from ..core.recording.read import read_recording
 
     def look(path: str) -> Report:
@@ -231,7 +233,11 @@ def inspect(options: argparse.Namespace) -> Report:
             say(options, f"  doubtful         {doubt}")
         return {"file": path, "sha256": found.sha256, "found": found.found, "doubts": list(found.doubts)}
 
-    return {"files": each(options.files, look)}
+    report = {"files": each(options.files, look)}
+    skipped = [*families().skipped, *layouts().skipped]
+    for line in skipped:
+        print(f"doubtful: {line}", file=sys.stderr)
+    return {**report, "skipped_presets": skipped}
 
 
 def build(options: argparse.Namespace) -> Report:

@@ -13,6 +13,7 @@ from ..core.errors import InputError
 from ..core.mocap.takes import load_take
 from ..core.recording.csv_format import write_csv
 from ..core.recording.cut import cut
+from ..core.recording.formats import suffixes
 from ..core.recording.read import read_recording
 from ..core.recording.simulate import simulate_recording
 from . import files
@@ -35,7 +36,7 @@ class FOOTWORK_OT_load_recording(bpy.types.Operator, ImportHelper):
     bl_label = "Load Recording"
     bl_options = {"REGISTER", "UNDO"}
 
-    filter_glob: StringProperty(default="*.csv;*.json;*.bsor", options={"HIDDEN"})
+    filter_glob: StringProperty(default=";".join(f"*{suffix}" for suffix in suffixes()), options={"HIDDEN"})
     filename_ext = ".csv"
 
     def invoke(self, context, event):
@@ -143,7 +144,7 @@ class FOOTWORK_FH_recording(bpy.types.FileHandler):
     bl_idname = "FOOTWORK_FH_recording"
     bl_label = "Footwork: Load Recording"
     bl_import_operator = "footwork.load_recording"
-    bl_file_extensions = ".csv;.json;.bsor"
+    bl_file_extensions = ";".join(suffixes())
 
     @classmethod
     def poll_drop(cls, context):

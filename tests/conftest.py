@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +12,17 @@ from footwork.core.body.skeleton import Skeleton
 from footwork.core.mocap.bvh import write_bvh
 from footwork.core.mocap.demo import demo_motion, demo_skeleton
 from footwork.core.mocap.export import to_bvh
+from footwork.core.presets import VARIABLE
 
 DATA = Path(os.environ.get("FOOTWORK_DATA", Path(__file__).parents[2] / "shared" / "data"))
+
+
+@pytest.fixture(scope="session", autouse=True)
+def no_own_presets(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """The presets of whoever runs the tests do not count."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv(VARIABLE, str(tmp_path_factory.mktemp("presets")))
+        yield
 
 
 @pytest.fixture(scope="session")

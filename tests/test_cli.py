@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from footwork.cli import main, make_parser
+from footwork.core import presets
 from footwork.core.settings import BakeSettings
 
 WITH_BPY = importlib.util.find_spec("bpy") is not None
@@ -55,6 +56,39 @@ def test_inspect_tells_what_was_found(demo: Path, visit: Path, capsys: pytest.Ca
     assert "Xsens" in json.dumps(take["found"])
     assert not take["doubts"]
     assert len(recording["sha256"]) == 64
+
+
+def test_inspect_knows_bone_maps_of_the_users_and_names_a_broken_one_once(
+    tmp_path: Path, demo: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "presets"
+    monkeypatch.setenv("FOOTWORK_PRESETS", str(folder))
+    for kind in ("bone_maps", "recording_layouts"):
+        (folder / kind).mkdir(parents=True)
+    text = (demo / "turn.bvh").read_text()
+    for name, other in {"Left": "links_", "Right": "rechts_", "Hips": "Becken", "Head": "Kopf"}.items():
+        text = text.replace(f" {name}", f" {other}")
+    takes = [tmp_path / "a.bvh", tmp_path / "b.bvh"]
+    for take in takes:
+        take.write_text(text)
+    assert main(["inspect", *map(str, takes)]) == 2
+    assert capsys.readouterr().err.count(f"add a bone map in {folder / 'bone_maps'}") == 2
+    shipped = json.loads((presets.SHIPPED / "bone_maps" / "xsens.json").read_text())
+    joints = {**shipped["joints"], "hips": "Becken", "head": "Kopf"}
+    own = {"name": "Studio", "sides": ["links_", "rechts_"], "joints": joints}
+    (folder / "bone_maps" / "studio.json").write_text(json.dumps(own))
+    (folder / "bone_maps" / "broken.json").write_text('{"name": "Studio",\n')
+    (folder / "recording_layouts" / "broken.json").write_text("7")
+    assert main(["inspect", *map(str, takes), "--json", "-"]) == 0
+    out, err = capsys.readouterr()
+    report = json.loads(out)
+    assert ["Studio" in take["found"]["joint names"] for take in report["files"]] == [True, True]
+    assert all("broken" not in json.dumps(take) for take in report["files"])
+    lines = err.splitlines()
+    assert [f"doubtful: {line}" for line in report["skipped_presets"]] == lines
+    assert re.search(r"bone_maps.broken\.json: line 2: broken JSON", lines[0])
+    assert re.search(r"recording_layouts.broken\.json: not a recording layout", lines[1])
+    assert len(lines) == 2
 
 
 def test_every_fault_is_told_on_a_line_and_nothing_is_written(

@@ -115,7 +115,7 @@ def _read_body(bvh: BvhFile, notes: _Notes) -> RawBody:
     except InputError as error:
         raise InputError(f"{bvh.file}: {error}") from None
     known = sum(role != "" for role in match.roles)
-    notes.found["joint names"] = f"{match.preset}, {known} of {len(bvh.names)} joints have a role"
+    notes.found["joint names"] = f"{match.family}, {known} of {len(bvh.names)} joints have a role"
     notes.doubts.extend(match.doubts)
     body, made = with_toes(reduce_to_body(bvh, match.roles))
     unit, length = find_unit(body)

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..maths import quat
-from .raw import Format, RawRecording, Track, change_axes
+from .raw import RawRecording, Track, change_axes
 
 _KEYS = (("camera", "head"), ("left", "leftHand"), ("right", "rightHand"))
 """The names under which versions of the component store head, left and right."""
@@ -79,8 +79,6 @@ def _first_fault(poses: Any, where: str) -> InputError:
     return InputError(f"{where}: its poses cannot be read; record it again")
 
 
-def _recognise(content: bytes) -> bool:
+def recognise(content: bytes) -> bool:
+    """Whether a file looks like an A-Frame motion-capture recording."""
     return content.lstrip()[:1] == b"{" and b'"poses"' in content and b'"rotation"' in content
-
-
-FORMAT = Format("A-Frame motion-capture JSON", _recognise, read_aframe)

@@ -7,7 +7,7 @@ import struct
 import numpy as np
 
 from ..errors import InputError
-from .raw import Format, RawRecording, Track, change_axes
+from .raw import RawRecording, Track, change_axes
 from .recording import TRACKERS
 
 _MAGIC = struct.pack("<I", 0x442D3D69)
@@ -74,8 +74,6 @@ def _strings(content: bytes, offset: int, count: int) -> tuple[int, list[str]]:
     return offset, out
 
 
-def _recognise(content: bytes) -> bool:
+def recognise(content: bytes) -> bool:
+    """Whether a file looks like a Beat Saber replay, whatever its version."""
     return content.startswith(_MAGIC)
-
-
-FORMAT = Format("Beat Saber replay (BSOR)", _recognise, read_bsor)

@@ -12,7 +12,7 @@ from ..errors import InputError
 from ..files import write_atomically
 from ..maths import quat
 from .mounts import DEVICE_MOUNTS
-from .raw import Format, RawRecording, Track
+from .raw import RawRecording, Track
 from .recording import GREATEST_EYE_HEIGHT, LARGEST, LEAST_EYE_HEIGHT, TRACKERS, Array, Mounts, Recording
 from .table import decode, read_columns
 
@@ -166,8 +166,6 @@ def _check_rows(times: Array, poses: Array, numbers: NDArray[np.intp], file: str
         raise InputError(f"{file}: line {numbers[np.argmax(faults[first])]}: {first}")
 
 
-def _recognise(content: bytes) -> bool:
+def recognise(content: bytes) -> bool:
+    """Whether a file looks like a CSV of ours, whatever its version."""
     return content.removeprefix(b"\xef\xbb\xbf").startswith(_MAGIC.encode())
-
-
-FORMAT = Format("Footwork CSV", _recognise, read_csv)

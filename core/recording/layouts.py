@@ -1,4 +1,4 @@
-"""CSV tables of other recorders, each described by a JSON file in presets/recording_layouts.
+"""CSV tables of other recorders, each described by a JSON file (presets/recording_layouts, the user's folder).
 
 A layout names the columns of time and of every tracker's position and quaternion (w, x, y, z in this order),
 the units and the axes. A new recorder that writes one row a frame needs a new layout and no code.
@@ -6,27 +6,27 @@ the units and the axes. A new recorder that writes one row a frame needs a new l
 
 from __future__ import annotations
 
-import functools
-import json
+import os
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
-from ..errors import InputError
-from .raw import Format, RawRecording, Track, change_axes
+from ..presets import Presets, check_keys, check_text, check_texts, load_presets, read_preset
+from .raw import RawRecording, Track, change_axes
 from .recording import TRACKERS
 from .table import columns_of, decode, read_columns
 
-FOLDER = Path(__file__).resolve().parents[2] / "presets" / "recording_layouts"
+KIND = "recording_layouts"
+"""Sub-folder of the presets."""
 _HEADER_BYTES = 16384
 _SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 _METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001}
+_AXES = ("RL", "UD", "FB")
 
 
 @dataclass(frozen=True, slots=True)
-class Layout:
+class TableLayout:
     """How a table's columns are to be read."""
 
     name: str
@@ -39,40 +39,21 @@ class Layout:
     on_floor: bool
 
 
-def load_layout(path: Path) -> Layout:
+def layouts() -> Presets[TableLayout]:
+    """The layouts of the user's folder, then those that ship."""
+    return load_presets(KIND, read_layout)
+
+
+def read_layout(path: str | os.PathLike[str]) -> TableLayout:
     """A layout from its JSON file.
 
     Raises:
-        InputError: the file is not a layout; the line says what is missing.
+        InputError: the file is not a layout; the line says what is wrong.
     """
-    try:
-        data = cast(dict[str, Any], json.loads(path.read_text("utf-8")))
-        columns = [data["time"]]
-        for tracker in TRACKERS:
-            position, rotation = data[tracker]["position"], data[tracker]["rotation"]
-            if len(position) != 3 or len(rotation) != 4:
-                raise ValueError(f"{tracker} needs 3 position and 4 rotation columns")
-            columns += [*position, *rotation]
-        axes = str(data["axes"])
-        if sorted(
-            {"R": "x", "L": "x", "U": "z", "D": "z", "F": "y", "B": "y"}[letter] for letter in axes
-        ) != list("xyz"):
-            raise ValueError(f"axes {axes!r} are not three of R/L, U/D, F/B")
-        return Layout(
-            name=str(data["name"]),
-            columns=tuple(str(column) for column in columns),
-            seconds=_SECONDS[data["time_unit"]],
-            metres=_METRES[data["unit"]],
-            axes=axes,
-            on_floor=bool(data["on_floor"]),
-        )
-    except (OSError, KeyError, TypeError, ValueError) as error:
-        raise InputError(
-            f"{path}: not a recording layout ({error}); compare it with its neighbours"
-        ) from error
+    return read_preset(path, _parse, "recording layout")
 
 
-def read_table(content: bytes, file: str, layout: Layout) -> RawRecording:
+def read_table(content: bytes, file: str, layout: TableLayout) -> RawRecording:
     """Samples of a table in a given layout.
 
     Raises:
@@ -89,20 +70,38 @@ def read_table(content: bytes, file: str, layout: Layout) -> RawRecording:
     return RawRecording(tracks=(head, left, right), found={"format": layout.name}, on_floor=layout.on_floor)
 
 
-def _recognise(content: bytes, layout: Layout) -> bool:
+def recognise(content: bytes, layout: TableLayout) -> bool:
+    """Whether a file begins with a header that has every column of a layout."""
     first = content[:_HEADER_BYTES].removeprefix(b"\xef\xbb\xbf").split(b"\n", 1)[0]
     return set(layout.columns) <= set(columns_of(first.decode("utf-8", "replace")))
 
 
-@functools.cache
-def formats() -> tuple[Format, ...]:
-    """A format for every layout in the presets, by file name."""
-    layouts = [load_layout(path) for path in sorted(FOLDER.glob("*.json"))]
-    return tuple(
-        Format(
-            layout.name,
-            functools.partial(_recognise, layout=layout),
-            functools.partial(read_table, layout=layout),
-        )
-        for layout in layouts
+def _parse(content: Any) -> TableLayout:
+    data = check_keys(content, ("name", "time", "time_unit", "unit", "axes", "on_floor", *TRACKERS))
+    columns = [check_text(data["time"], "'time'")]
+    for tracker in TRACKERS:
+        poses = check_keys(data[tracker], ("position", "rotation"), where=f"{tracker!r}")
+        columns += check_texts(poses["position"], f"{tracker!r}: 'position'", count=3)
+        columns += check_texts(poses["rotation"], f"{tracker!r}: 'rotation'", count=4)
+    repeated = [column for column in columns if columns.count(column) > 1]
+    if repeated:
+        raise ValueError(f"the column {repeated[0]!r} is used twice")
+    axes = check_text(data["axes"], "'axes'")
+    if len(axes) != 3 or any(sum(letter in axes for letter in pair) != 1 for pair in _AXES):
+        raise ValueError(f"'axes' {axes!r} is not one each of R or L, U or D, F or B")
+    if not isinstance(data["on_floor"], bool):
+        raise ValueError("'on_floor' is neither true nor false")
+    return TableLayout(
+        name=check_text(data["name"], "'name'"),
+        columns=tuple(columns),
+        seconds=_unit(data["time_unit"], _SECONDS, "'time_unit'"),
+        metres=_unit(data["unit"], _METRES, "'unit'"),
+        axes=axes,
+        on_floor=data["on_floor"],
     )
+
+
+def _unit(value: Any, units: dict[str, float], where: str) -> float:
+    if not isinstance(value, str) or value not in units:
+        raise ValueError(f"{where} {value!r} is none of {', '.join(units)}")
+    return units[value]

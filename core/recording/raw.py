@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -51,18 +50,6 @@ class RawRecording:
     """Whether the file tells itself when a tracker was lost; otherwise that is guessed."""
     on_floor: bool = True
     """Whether heights are above the floor; otherwise they are relative to an unknown place."""
-
-
-@dataclass(frozen=True, slots=True)
-class Format:
-    """One file format that recordings come in."""
-
-    name: str
-    """For people, e.g. in the list of known formats."""
-    recognise: Callable[[bytes], bool]
-    """Whether a file's content looks like this format, whole or not."""
-    read: Callable[[bytes, str], RawRecording]
-    """Content and file name to samples; raises InputError with the place of the fault."""
 
 
 def change_axes(positions: Array, rotations: Array, axes: str) -> tuple[Array, Array]:

@@ -9,25 +9,22 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import InputError
-from . import aframe, bsor, csv_format, layouts
+from ..presets import user_folder
+from . import layouts
 from .eye_height import calibrate, looking_ahead, put_down
+from .formats import formats
 from .happenings import in_words
 from .mounts import DEVICE_MOUNTS
-from .raw import Format, RawRecording
+from .raw import RawRecording
 from .recording import GREATEST_EYE_HEIGHT, LEAST_EYE_HEIGHT, TRACKERS, Happening, Recording
 from .repair import Repaired, repair
-
-
-def formats() -> tuple[Format, ...]:
-    """Every format that can be read, those that are told apart most surely first."""
-    return (csv_format.FORMAT, bsor.FORMAT, aframe.FORMAT, *layouts.formats())
 
 
 def read_recording(path: str | os.PathLike[str], eye_height: float | None = None) -> Recording:
     """A recording from a file, repaired and with its eye height known.
 
     Args:
-        path: a file in one of `formats()`.
+        path: a file in one of `formats.formats()`.
         eye_height: height of the headset in metres when its wearer stands at ease; by default what the file
             states, or the recording's own standing height.
 
@@ -46,7 +43,10 @@ def read_recording(path: str | os.PathLike[str], eye_height: float | None = None
     form = next((form for form in known if form.recognise(content)), None)
     if form is None:
         names = ", ".join(form.name for form in known)
-        raise InputError(f"{path}: no known recording format; known are {names}")
+        raise InputError(
+            f"{path}: no known recording format; known are {names}; for another table add a layout in "
+            f"{user_folder(layouts.KIND)}{layouts.layouts().note}"
+        )
     raw = form.read(content, str(path))
     return to_recording(raw, str(path), hashlib.sha256(content).hexdigest(), eye_height)
 

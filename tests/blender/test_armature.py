@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import bpy
 import helpers
 import numpy as np
@@ -10,6 +12,8 @@ from footwork.bridge import armature
 from footwork.bridge.action import write_action
 from footwork.core.body.retarget import retarget
 from footwork.core.errors import InputError
+from footwork.core.mocap.families import KIND
+from footwork.core.presets import SHIPPED, VARIABLE
 from footwork.core.rig.fit import fit_rig, rig_from_skeleton, to_bone_tracks
 from footwork.core.rig.rig import Rig
 
@@ -90,6 +94,24 @@ def test_unknown_names_can_be_mapped_by_hand(empty) -> None:
     armature.set_role(obj, "hand.L", "gone")
     with pytest.raises(InputError, match="gone"):
         armature.armature_to_rig(obj)
+
+
+def test_a_bone_map_in_the_users_folder_counts_at_once(empty, tmp_path, monkeypatch) -> None:
+    monkeypatch.setenv(VARIABLE, str(tmp_path))
+    rig = rig_from_skeleton(helpers.skeleton(), "Person")
+    obj = armature.create_armature(rig, "Person", empty.collection)
+    for bone in obj.data.bones:
+        bone.name += " bone"
+    assert armature.detected_preset(obj) == ("", ())
+    (tmp_path / KIND).mkdir()
+    (tmp_path / KIND / "broken.json").write_text("{")
+    assert any("broken.json" in doubt for doubt in armature.rig_doubts(obj))
+    content = json.loads((SHIPPED / KIND / "xsens.json").read_text())
+    joints = {role: f"{name} bone" for role, name in content["joints"].items()}
+    (tmp_path / KIND / "own.json").write_text(json.dumps({**content, "name": "Own", "joints": joints}))
+    assert armature.detected_preset(obj)[0] == "Own"
+    roles = armature.armature_to_rig(obj).roles
+    assert {role for role in rig.roles if role} == {role for role in roles if role}
 
 
 def test_other_objects_are_refused(empty) -> None:

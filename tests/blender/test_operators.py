@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import runpy
 from pathlib import Path
@@ -15,7 +16,9 @@ from footwork.core.database.sidecar import load_database
 from footwork.core.mocap.bvh import write_bvh
 from footwork.core.mocap.demo import demo_motion
 from footwork.core.mocap.export import to_bvh
+from footwork.core.recording import formats
 from footwork.operators import figures, job_operator
+from footwork.operators import recording as recording_operators
 from footwork.operators.bake import REPORT
 from helpers import add_takes, files
 
@@ -221,6 +224,21 @@ def test_the_file_handlers_take_their_files() -> None:
         assert extension in handler.bl_file_extensions
         module, operator = handler.bl_import_operator.split(".")
         assert getattr(getattr(bpy.ops, module), operator).get_rna_type()
+
+
+def test_a_format_of_the_registry_is_in_the_dialog_and_can_be_dropped(monkeypatch) -> None:
+    assert bpy.types.FOOTWORK_FH_recording.bl_file_extensions == ";".join(formats.suffixes())
+    toy = formats.Format("Toy", lambda content: False, lambda content, file: None, (".toy",))
+    monkeypatch.setattr(formats, "FORMATS", (*formats.FORMATS, toy))
+    # the registered classes stay as they are: the module runs once more under another name
+    spec = importlib.util.spec_from_file_location(
+        f"{recording_operators.__name__}_again", recording_operators.__file__
+    )
+    again = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(again)
+    assert ".toy" in again.FOOTWORK_FH_recording.bl_file_extensions.split(";")
+    shown = again.FOOTWORK_OT_load_recording.__annotations__["filter_glob"].keywords["default"]
+    assert {"*.toy", "*.csv"} <= set(shown.split(";"))
 
 
 def test_the_example_job_runs(demo, recording, tmp_path, monkeypatch) -> None:

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
-from footwork.core.body.skeleton import ROLES
+from footwork.core.body.skeleton import REQUIRED_ROLES, ROLES
 from footwork.core.errors import InputError
 from footwork.core.mocap.bvh import read_bvh
-from footwork.core.mocap.roles import PRESETS, match_roles, read_preset, shipped_presets
+from footwork.core.mocap.families import KIND, families, read_family
+from footwork.core.mocap.roles import match_roles
+from footwork.core.presets import SHIPPED, VARIABLE
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -130,15 +133,15 @@ def humanoid(preset: str) -> tuple[list[str], list[int], list[str]]:
 def test_each_naming_is_recognised(preset: str):
     names, parents, roles = humanoid(preset)
     match = match_roles(names, np.array(parents))
-    assert match.preset == preset
+    assert match.family == preset
     assert list(match.roles) == roles
     assert match.doubts == ()
     assert set(roles) - {""} <= set(ROLES)
 
 
 def test_every_preset_that_ships_is_tested():
-    assert {preset.name for preset in shipped_presets()} == {*TABLE, "Rigify FK controls"}
-    for path in PRESETS.glob("*.json"):
+    assert {preset.name for preset in families().entries} == {*TABLE, "Rigify FK controls"}
+    for path in (SHIPPED / KIND).glob("*.json"):
         text = path.read_text(encoding="utf-8")
         assert text == json.dumps(json.loads(text), indent=2) + "\n"
 
@@ -274,7 +277,7 @@ def test_rigify_controls_are_preferred_to_deform_bones():
     parents = np.array([names.index(parent) if parent else -1 for parent in links.values()])
     match = match_roles(names, parents)
     found = dict(zip(match.roles, names, strict=True))
-    assert match.preset == "Rigify FK controls"
+    assert match.family == "Rigify FK controls"
     assert found["hips"] == "torso"
     assert (found["spine1"], found["chest"]) == ("spine_fk.002", "spine_fk.003")
     assert found["clavicle.L"] == "shoulder.L"
@@ -308,37 +311,146 @@ TAKES = {
 def test_real_takes(data: Path, take: str):
     bvh = read_bvh(data / "takes" / take)
     match = match_roles(bvh.names, bvh.parents)
-    assert (match.preset, sum(role != "" for role in match.roles)) == TAKES[take]
+    assert (match.family, sum(role != "" for role in match.roles)) == TAKES[take]
     for name, role in zip(bvh.names, match.roles, strict=True):
         if role.endswith((".L", ".R")):
             left = name.startswith(("Left", "l", "CC_Base_L")) or name.endswith("_L")
             assert left == role.endswith(".L")
 
 
-def test_own_bone_maps(tmp_path: Path):
+def german() -> tuple[list[str], np.ndarray, list[str], dict[str, Any]]:
+    """Names, parents and roles of a body in a naming of its own, and the bone map for it."""
     names, parents, roles = humanoid("Mixamo")
-    german = {"hips": "Becken", "neck": "Hals", "head": "Kopf"}
-    german |= dict(
-        zip(LIMBS, ["Schulter", "Oberarm", "Unterarm", "Hand", "Schenkel", "Wade", "Fuß", "Zeh"], strict=True)
-    )
+    centre = {"hips": "Becken", "neck": "Hals", "head": "Kopf"}
+    words = ["Schulter", "Oberarm", "Unterarm", "Hand", "Schenkel", "Wade", "Fuß", "Zeh"]
+    joints = centre | {role: f"{word} {{side}}" for role, word in zip(LIMBS, words, strict=True)}
     for joint, role in enumerate(roles):
         part, _, side = role.partition(".")
-        if part in german:
-            names[joint] = german[part] + {"": "", "L": " links", "R": " rechts"}[side]
-    path = tmp_path / "own.json"
-    joints = {role: name + " {side}" * (role in LIMBS) for role, name in german.items()}
-    path.write_text(json.dumps({"name": "Own", "sides": ["links", "rechts"], "joints": joints}), "utf-8")
-    with pytest.raises(InputError):
-        match_roles(names, np.array(parents))
-    match = match_roles(names, np.array(parents), [*shipped_presets(), read_preset(path)])
-    assert match.preset == "Own"
+        if part in joints:
+            names[joint] = joints[part].replace("{side}", {"L": "links", "R": "rechts"}.get(side, ""))
+    return names, np.array(parents), roles, {"name": "Own", "sides": ["links", "rechts"], "joints": joints}
+
+
+@pytest.fixture
+def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The user's folder of bone maps."""
+    monkeypatch.setenv(VARIABLE, str(tmp_path))
+    (tmp_path / KIND).mkdir()
+    return tmp_path / KIND
+
+
+def test_own_bone_maps(own: Path):
+    names, parents, roles, bone_map = german()
+    with pytest.raises(InputError, match="bone map") as error:
+        match_roles(names, parents)
+    assert str(own) in str(error.value), "it says where a bone map goes"
+    (own / "own.json").write_text(json.dumps(bone_map), "utf-8")
+    match = match_roles(names, parents)
+    assert match.family == "Own"
     assert list(match.roles) == roles
+
+
+def test_broken_bone_maps_of_the_user_leave_the_others_and_are_named_where_none_fits(own: Path):
+    names, parents, roles, bone_map = german()
+    (own / "a.json").write_text("{", "utf-8")
+    (own / "b.json").write_text(json.dumps({**bone_map, "sides": "lr"}), "utf-8")
+    (own / "c.json").write_text(json.dumps(bone_map), "utf-8")
+    assert list(match_roles(names, parents).roles) == roles
+    for family in TABLE:
+        assert match_roles(humanoid(family)[0], np.array(humanoid(family)[1])).doubts == ()
+    (own / "c.json").unlink()
+    with pytest.raises(InputError) as error:
+        match_roles(names, parents)
+    assert f"skipped {own / 'a.json'}: line 1: broken JSON" in str(error.value)
+    assert "and 1 more" in str(error.value) and "\n" not in str(error.value)
+
+
+def test_a_bone_map_of_the_user_takes_the_place_of_one_that_ships(own: Path):
+    names, parents, roles = humanoid("Mixamo")
+    shipped = json.loads((SHIPPED / KIND / "mixamo.json").read_text("utf-8"))
+    # collar bones count as upper arms for this user
+    arms = dict(zip(LIMBS[1:4], ["{side}Shoulder", "{side}Arm", "{side}ForeArm"], strict=True))
+    changed = {**shipped["joints"], **arms}
+    del changed["clavicle"]
+    (own / "mine.json").write_text(json.dumps({**shipped, "joints": changed}), "utf-8")
+    assert [family.name for family in families().entries].count("Mixamo") == 1
+    match = match_roles(names, np.array(parents), [f for f in families().entries if f.name == "Mixamo"])
+    assert match.roles[roles.index("clavicle.L")] == "upper_arm.L"
+    assert match.roles[roles.index("forearm.R")] == "hand.R"
+
+
+def test_a_spine_that_names_a_joint_of_the_limbs_takes_nothing_from_them(own: Path):
+    names, parents, roles, bone_map = german()
+    # with the prefix the spine's name is that of the hips
+    (own / "own.json").write_text(json.dumps({**bone_map, "spine": ["X Becken"]}), "utf-8")
+    match = match_roles([f"X {name}" for name in names], parents)
+    assert match.roles[roles.index("hips")] == "hips"
+
+
+@settings(max_examples=150, deadline=None)
+@given(st.sampled_from(sorted(TABLE)), st.data())
+def test_any_bone_map_gives_a_whole_body_or_is_refused(tmp_path_factory, table: str, data):
+    """A map that ships with some values replaced: no joint gets two roles, no limb is lost."""
+    names, parents, _ = humanoid(table)
+    texts = [path.read_text("utf-8") for path in (SHIPPED / KIND).glob("*.json")]
+    content = next(found for found in map(json.loads, texts) if found["name"] == table)
+    words = st.sampled_from(
+        [*names, "{side}", "{side}a", "_", "", *(v for v in content["joints"].values() if isinstance(v, str))]
+    )
+    values = words | st.lists(words, max_size=3) | st.none() | st.integers()
+    roles = st.sampled_from(["neck", "clavicle", "toe", "tail", *content["joints"]])
+    content["joints"] |= data.draw(st.dictionaries(roles, values, max_size=2))
+    content |= data.draw(
+        st.dictionaries(st.sampled_from(["spine", "constrained", "sides"]), values, max_size=1)
+    )
+    path = tmp_path_factory.mktemp("maps") / "any.json"
+    path.write_text(json.dumps(content), "utf-8")
+    try:
+        match = match_roles(names, np.array(parents), [read_family(path)])
+    except InputError:
+        return
+    assert all(match.roles.count(role) == 1 for role in REQUIRED_ROLES)
+    assert all(match.roles.count(role) <= 1 for role in ROLES)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"sides": ["links"]}, "'sides' is not a list of 2 texts"),
+        ({"sides": ["rechts", "Rechts"]}, "same name"),
+        ({"joints": None}, "'joints' is not an object"),
+        ({"tail": "Schwanz"}, "'tail', which is none of name, sides, joints, spine, constrained"),
+        ({"spine": "Wirbel"}, "'spine' is not a list"),
+        ({"spine": ["Wirbel", "wirbel"]}, "same name"),
+        ({"spine": ["Becken"]}, "'hips' and 'spine' have the same name"),
+        ({"constrained": ["hips"]}, "'hips', which is none of clavicle"),
+        ({"hips": 3}, "'hips' is not a list"),
+        ({"hips": []}, "no hips"),
+        ({"hips": ["Becken", {}]}, "item of 'hips'"),
+        ({"hips": "_._"}, "without letters and digits"),
+        ({"neck": "Kopf"}, "'neck' and 'head' have the same name 'kopf'"),
+        ({"hand": "Hand"}, "without {side}"),
+        ({"shin": "Schenkel {side}"}, "'thigh.L' and 'shin.L' have the same name"),
+        ({"tongue": "Zunge"}, "tongue"),
+    ],
+)
+def test_broken_bone_maps_say_what_is_wrong(tmp_path: Path, change: dict[str, Any], words: str):
+    bone_map = german()[3]
+    joints = {key: value for key, value in change.items() if key in (*CENTRE, *LIMBS, "tongue")}
+    content = {**bone_map, **change, "joints": change.get("joints", {**bone_map["joints"], **joints})}
+    if "joints" not in change:
+        content = {key: value for key, value in content.items() if key not in joints}
+    path = tmp_path / "broken.json"
+    path.write_text(json.dumps(content), "utf-8")
+    with pytest.raises(InputError) as error:
+        read_family(path)
+    assert words in str(error.value) and str(path) in str(error.value)
 
 
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("", "not a bone map"),
+        ("", "broken JSON"),
         ("[1]", "not a bone map"),
         ('{"name": "x", "sides": ["L", "R"]}', "joints"),
         ('{"name": "x", "sides": ["L"], "joints": {"hand": "a"}}', "not a bone map"),
@@ -350,5 +462,5 @@ def test_broken_bone_maps_are_refused(tmp_path: Path, text: str, words: str):
     path = tmp_path / "broken.json"
     path.write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match=words) as error:
-        read_preset(path)
+        read_family(path)
     assert str(path) in str(error.value)

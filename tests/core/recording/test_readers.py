@@ -12,9 +12,9 @@ import pytest
 from footwork.core.errors import InputError
 from footwork.core.maths import quat
 from footwork.core.maths.filters import gaussian
-from footwork.core.recording import layouts
+from footwork.core.recording.formats import formats
 from footwork.core.recording.raw import change_axes
-from footwork.core.recording.read import formats, read_recording
+from footwork.core.recording.read import read_recording
 from footwork.core.recording.recording import Recording
 from scipy.spatial.transform import Rotation
 
@@ -283,17 +283,3 @@ def test_empty_and_missing_files(tmp_path: Path) -> None:
 def test_eye_heights_that_are_no_metres(tmp_path: Path, height: float) -> None:
     with pytest.raises(InputError, match="eye height"):
         read_recording(tmp_path / "none.csv", eye_height=height)
-
-
-def test_every_layout_is_sound_and_bad_ones_say_why(tmp_path: Path) -> None:
-    files = sorted(layouts.FOLDER.glob("*.json"))
-    assert len(files) == len(layouts.formats()) >= 3
-    good = json.loads(files[0].read_text())
-    for change, message in [
-        ({"axes": "RUU"}, "axes"),
-        ({"unit": "yard"}, "yard"),
-        ({"left": {"position": ["a"], "rotation": ["b"]}}, "left needs 3"),
-    ]:
-        (tmp_path / "bad.json").write_text(json.dumps({**good, **change}))
-        with pytest.raises(InputError, match=message):
-            layouts.load_layout(tmp_path / "bad.json")

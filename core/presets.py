@@ -1,0 +1,248 @@
+"""Presets: small JSON files that teach Footwork new names and tables, without code.
+
+Each kind ("bone_maps", "recording_layouts") is a sub-folder of the presets that ship and of the user's own folder.
+A file of the user's counts before those that ship and takes the place of one with the same name. A broken file is
+skipped and reported; it never disables the others. Reading creates nothing.
+"""
+
+from __future__ import annotations
+
+import functools
+import json
+import os
+import sys
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Generic, Protocol, TypeVar, cast
+
+from .errors import InputError
+
+SHIPPED = Path(__file__).resolve().parents[1] / "presets"
+"""The presets that ship."""
+VARIABLE = "FOOTWORK_PRESETS"
+"""Environment variable that names the user's folder of presets."""
+LARGEST = 1_000_000
+"""Bytes of a preset file at most."""
+_LONGEST_LINE = 500
+"""Characters of a report about one file."""
+
+
+class _Named(Protocol):
+    @property
+    def name(self) -> str: ...
+
+
+Preset = TypeVar("Preset", bound=_Named)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Presets(Generic[Preset]):
+    """All presets of one kind. The same object is returned until a file changes."""
+
+    entries: tuple[Preset, ...]
+    """The user's, then those that ship, each by file name; every name once."""
+    skipped: tuple[str, ...]
+    """One line for each file that cannot be used: which, why, what to do."""
+
+    @property
+    def note(self) -> str:
+        """What a message adds in which no entry fits: the first of the skipped files; "" for none."""
+        if not self.skipped:
+            return ""
+        first, *others = self.skipped
+        return f"; {first}" + (f" (and {len(others)} more)" if others else "")
+
+
+@dataclass(frozen=True, slots=True)
+class _Listing:
+    """What can be seen of a folder without reading its files."""
+
+    files: tuple[tuple[str, int, int, int], ...] = ()
+    """Path, time of change, size and inode of each preset file, by name."""
+    fault: str = ""
+    """Why the folder cannot be listed."""
+
+
+def user_folder(kind: str) -> Path:
+    """Where the user's presets of a kind belong, whether it exists or not."""
+    return _own_folder() / kind
+
+
+def configuration_folder(platform: str, environment: Mapping[str, str], home: Path) -> Path:
+    """Footwork's folder among the settings of a platform (as `sys.platform`) for a user."""
+    if platform == "win32":
+        return Path(environment.get("APPDATA") or home / "AppData" / "Roaming") / "Footwork"
+    if platform == "darwin":
+        return home / "Library" / "Application Support" / "Footwork"
+    base = environment.get("XDG_CONFIG_HOME", "")
+    # a relative one is to be ignored, says the XDG specification
+    return (Path(base) if Path(base).is_absolute() else home / ".config") / "footwork"
+
+
+def load_presets(kind: str, read: Callable[[Path], Preset]) -> Presets[Preset]:
+    """All presets of a kind. Files are read again only after one was added, changed or removed.
+
+    Args:
+        kind: the sub-folder.
+        read: reads one file, a function of a module; raises InputError for a broken one.
+    """
+    return cast("Presets[Preset]", _load(kind, read, _list(user_folder(kind))))
+
+
+def read_preset(path: str | os.PathLike[str], parse: Callable[[Any], Preset], what: str) -> Preset:
+    """One preset from its file.
+
+    Args:
+        path: a JSON file.
+        parse: makes the preset of the file's content; raises ValueError with what is wrong.
+        what: what it should be, such as "bone map".
+
+    Raises:
+        InputError: unreadable, too large, not JSON, or not such a preset.
+    """
+    data = _read_json(path, what)
+    try:
+        return parse(data)
+    except ValueError as error:
+        raise InputError(f"{path}: not a {what}: {error}; compare it with those that ship") from error
+
+
+def check_keys(
+    data: Any, needed: Collection[str], optional: Collection[str] = (), where: str = "it"
+) -> dict[str, Any]:
+    """`data` as a dictionary with exactly these keys; ValueError where it is not."""
+    if not isinstance(data, dict):
+        raise ValueError(f"{where} is not an object {{...}}")
+    found = cast("dict[str, Any]", data)
+    missing = [key for key in needed if key not in found]
+    if missing:
+        raise ValueError(f"{where} has no {missing[0]!r}")
+    unknown = [key for key in found if key not in needed and key not in optional]
+    if unknown:
+        raise ValueError(f"{where} has {unknown[0]!r}, which is none of {', '.join((*needed, *optional))}")
+    return found
+
+
+def check_text(value: Any, where: str) -> str:
+    """`value` as a text of one line with something in it; ValueError where it is not."""
+    if (
+        not isinstance(value, str)
+        or len(value.strip().splitlines()) != 1
+        or not "".join(value.split()).isprintable()
+    ):
+        raise ValueError(f"{where} is not a text of one line")
+    return value
+
+
+def check_texts(value: Any, where: str, count: int | None = None) -> tuple[str, ...]:
+    """`value` as texts, `count` of them if given; ValueError where it is not a list of these."""
+    size = "" if count is None else f"{count} "
+    if not isinstance(value, list) or (count is not None and len(cast("list[Any]", value)) != count):
+        raise ValueError(f"{where} is not a list of {size}texts")
+    return tuple(check_text(item, f"an item of {where}") for item in cast("list[Any]", value))
+
+
+def _own_folder() -> Path:
+    """The user's folder of presets of every kind."""
+    given = os.environ.get(VARIABLE)
+    if given:
+        return Path(given)
+    try:
+        home = Path.home()
+    except RuntimeError:
+        # some containers know no home for their user; no such folder exists then
+        home = Path("~")
+    return configuration_folder(sys.platform, os.environ, home)
+
+
+def _list(folder: Path) -> _Listing:
+    files: list[tuple[str, int, int, int]] = []
+    try:
+        with os.scandir(folder) as items:
+            for item in items:
+                if item.name.lower().endswith(".json") and not item.name.startswith("."):
+                    files.append((item.path, *_stamp(item)))
+    except FileNotFoundError:
+        if os.environ.get(VARIABLE) and not folder.parent.is_dir():
+            return _Listing(
+                fault=f"{VARIABLE}: there is no folder {folder.parent}; create it or unset the variable"
+            )
+    except OSError as error:
+        return _Listing(fault=f"{folder}: cannot be listed ({error.strerror}); check its rights")
+    return _Listing(tuple(sorted(files)))
+
+
+def _stamp(item: os.DirEntry[str]) -> tuple[int, int, int]:
+    try:
+        found = item.stat()
+    except OSError:
+        # a link to nowhere; reading it says so
+        return 0, 0, 0
+    return found.st_mtime_ns, found.st_size, found.st_ino
+
+
+@functools.lru_cache(maxsize=16)
+def _load(kind: str, read: Callable[[Path], Any], own: _Listing) -> Presets[Any]:
+    skipped = [own.fault] if own.fault else []
+    entries: dict[str, Any] = {}
+    sources: dict[str, str] = {}
+    for path, *_ in own.files:
+        try:
+            preset = read(Path(path))
+            if preset.name in sources:
+                raise InputError(
+                    f"{path}: {sources[preset.name]} has the same name {preset.name!r}; rename one"
+                )
+        except InputError as error:
+            skipped.append(f"skipped {error}")
+            continue
+        entries[preset.name], sources[preset.name] = preset, Path(path).name
+    for path in sorted((SHIPPED / kind).glob("*.json")):
+        preset = read(path)
+        entries.setdefault(preset.name, preset)
+    return Presets(tuple(entries.values()), tuple(map(_one_line, skipped)))
+
+
+def _one_line(text: str) -> str:
+    """A text that any terminal and file can show as a line, whatever a file's name or content put into it."""
+    shown = "".join(letter if letter.isprintable() else "\N{REPLACEMENT CHARACTER}" for letter in text)
+    return shown if len(shown) <= _LONGEST_LINE else shown[: _LONGEST_LINE - 3] + "..."
+
+
+def _read_json(path: str | os.PathLike[str], what: str) -> Any:
+    """The content of a small JSON file; InputError where it is none."""
+    try:
+        if not Path(path).is_file():
+            raise InputError(f"{path}: not a file; a {what} is a JSON file")
+        with Path(path).open("rb") as file:
+            content = file.read(LARGEST + 1)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); check its name and rights") from error
+    if len(content) > LARGEST:
+        raise InputError(f"{path}: larger than {LARGEST // 1_000_000} MB; no {what} is")
+    try:
+        return json.loads(
+            content.decode("utf-8-sig"), object_pairs_hook=_without_repeats, parse_constant=_refuse_constant
+        )
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: not UTF-8 text; save it as UTF-8") from None
+    except json.JSONDecodeError as error:
+        raise InputError(f"{path}: line {error.lineno}: broken JSON ({error.msg}); correct it") from None
+    except RecursionError:
+        raise InputError(f"{path}: lists nested too deeply; compare it with those that ship") from None
+    except ValueError as error:
+        raise InputError(f"{path}: broken JSON ({error}); correct it") from None
+
+
+def _without_repeats(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for key, value in pairs:
+        if key in found:
+            raise ValueError(f"{key!r} stands twice in one object")
+        found[key] = value
+    return found
+
+
+def _refuse_constant(name: str) -> Any:
+    raise ValueError(f"{name} is no JSON value")
