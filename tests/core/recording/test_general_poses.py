@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from footwork.core.recording import layouts
+from footwork.core import presets
 from footwork.core.recording.read import read_recording
 from footwork.core.recording.recording import Recording
 from scipy.spatial.transform import Rotation
@@ -104,6 +104,7 @@ def own(poses: tuple[np.ndarray, np.ndarray]) -> bytes:
     return "\n".join(lines).encode()
 
 
+LAYOUTS = sorted((presets.SHIPPED / "recording_layouts").glob("*.json"))
 PARTS = ("px", "py", "pz", "qz", "valid", "qw", "qy", "qx")
 
 
@@ -115,7 +116,9 @@ def test_devices_are_where_they_were_and_turned_as_they_were(
     assert_read(read_recording(tmp_path / "recording.dat"), poses)
 
 
-@pytest.mark.parametrize("path", sorted(layouts.FOLDER.glob("*.json")), ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path", sorted((presets.SHIPPED / "recording_layouts").glob("*.json")), ids=lambda path: path.stem
+)
 def test_tables_of_every_layout(tmp_path: Path, poses: tuple[np.ndarray, np.ndarray], path: Path) -> None:
     """By the meaning of the column names: what stands for w, x, y and z is their last letter."""
     layout = json.loads(path.read_text())
@@ -134,7 +137,7 @@ def test_tables_in_any_axes_and_units(
     time_unit: str,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    folder = tmp_path / "layouts"
+    folder = tmp_path / "recording_layouts"
     folder.mkdir()
     layout = {
         "name": "any",
@@ -150,12 +153,8 @@ def test_tables_in_any_axes_and_units(
             "rotation": [f"{device} turn {axis}" for axis in "wxyz"],
         }
     (folder / "any.json").write_text(json.dumps(layout))
-    monkeypatch.setattr(layouts, "FOLDER", folder)
-    layouts.formats.cache_clear()
-    try:
-        assert_read(table(tmp_path, poses, layout), poses)
-    finally:
-        layouts.formats.cache_clear()
+    monkeypatch.setenv(presets.VARIABLE, str(tmp_path))
+    assert_read(table(tmp_path, poses, layout), poses)
 
 
 def table(folder: Path, poses: tuple[np.ndarray, np.ndarray], layout: dict) -> Recording:
