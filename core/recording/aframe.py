@@ -33,6 +33,8 @@ def read_aframe(content: bytes, file: str) -> RawRecording:
         raise InputError(
             f"{file}: line {error.lineno}: broken JSON ({error.msg}); was the file cut short?"
         ) from None
+    except (RecursionError, ValueError):
+        raise InputError(f"{file}: lists nested too deeply or a number too long; record it again") from None
     if isinstance(data, dict) and "recording" in data:
         data = cast(Any, data["recording"])
     if not isinstance(data, dict):

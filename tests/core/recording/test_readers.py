@@ -86,6 +86,13 @@ def test_aframe_poses(tmp_path: Path, keys: tuple[str, ...], wrapped: bool) -> N
     np.testing.assert_allclose(recording.times, np.arange(60) / 60, atol=1e-9)
 
 
+@pytest.mark.parametrize("value", ["[" * 100_000, "9" * 10_000 + "}"])
+def test_aframe_files_that_no_parser_can_take(tmp_path: Path, value: str) -> None:
+    (tmp_path / "r.json").write_text('{"poses": [], "rotation": ' + value)
+    with pytest.raises(InputError, match="nested too deeply or a number too long"):
+        read_recording(tmp_path / "r.json")
+
+
 def test_aframe_trackers_with_clocks_of_their_own_are_joined(tmp_path: Path) -> None:
     tracks = aframe()
     for i, pose in enumerate(tracks["left"]["poses"]):
