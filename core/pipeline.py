@@ -88,21 +88,21 @@ def bake(
     check(settings)
     if not databases:
         raise InputError("no motion database given: build one from takes first")
-    clock = _Clock()
-    fps = databases[0].fps
+    clock, fps = _Clock(), databases[0].fps
     rig = rig or rig_from_skeleton(databases[0].skeleton, databases[0].name)
     fit = fit_rig(rig)
     recording = resample(recording, fps)
 
     yield 0.02, "Predicting body orientation"
     orientation = predict(recording)
-    yaws = orientation.yaws
     clock.lap("orientation")
 
     scales = _scales(recording, databases, fit.skeleton, settings)
     # alpha is metres on the rig: the search works on the database's own body size
     sized = replace(settings, alpha=settings.alpha * scales.database / scales.rig)
-    playback = yield from part(_match(recording, yaws, databases, sized, scales.database), 0.05, 0.6)
+    playback = yield from part(
+        _match(recording, orientation.yaws, databases, sized, scales.database), 0.05, 0.6
+    )
     clock.lap("search")
 
     yield 0.6, "Blending poses"
@@ -122,13 +122,10 @@ def bake(
     clock.lap("keys")
 
     yield 0.95, "Measuring"
-    doubts = recording.doubts + orientation_doubts(orientation, fps)
-    if avatar.footing is not None:
-        trackers = raised(trackers, avatar.footing.lift)
-        doubts += _ground_doubts(avatar.footing, fps)
+    doubts = recording.doubts + orientation_doubts(orientation, fps) + _ground_doubts(avatar.footing, fps)
     yardstick = Yardstick(
         contacts,
-        trackers,
+        trackers if avatar.footing is None else raised(trackers, avatar.footing.lift),
         playback,
         databases,
         avatar.unreachable,
@@ -144,11 +141,11 @@ def bake(
     return BakeResult(rig, tracks, avatar.motion, avatar.contacts, playback, times, report, doubts, yardstick)
 
 
-def _ground_doubts(footing: Footing, fps: float) -> tuple[str, ...]:
+def _ground_doubts(footing: Footing | None, fps: float) -> tuple[str, ...]:
     """What a person should know of the ground, a line each."""
-    seconds = float(footing.bare.sum()) / fps
-    if not seconds:
+    if footing is None or not footing.bare.any():
         return ()
+    seconds = float(footing.bare.sum()) / fps
     return (f"no ground under the feet for {seconds:.1f} s: there it counts as a floor at height 0",)
 
 

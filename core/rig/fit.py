@@ -51,10 +51,6 @@ class RigFit:
         """World points `(..., 3)` in metres as armature space."""
         return quat.rotate(quat.conjugate(self.turn), points - self.rig.world[:3, 3]) / self.scale
 
-    def to_world(self, points: Array) -> Array:
-        """Armature-space points `(..., 3)` as world metres."""
-        return quat.rotate(self.turn, points * self.scale) + self.rig.world[:3, 3]
-
 
 def fit_rig(rig: Rig) -> RigFit:
     """The canonical skeleton of a rig: its bones with roles and the bones between them.
