@@ -88,7 +88,8 @@ def yaws_of(motion: Motion) -> np.ndarray:
 
 def record(user: Motion, eye_height: float | None = None, size: float = 1.0) -> Recording:
     """With devices that sit above, before and beside the joints, tilted; `size` is that of the devices' places."""
-    mounts = replace(DEVICE_MOUNTS, offsets=size * (DEVICE_MOUNTS.offsets + [0.01, 0.0, 0.02]))
+    offsets = DEVICE_MOUNTS.offsets + np.array([0.01, 0.0, 0.02])
+    mounts = replace(DEVICE_MOUNTS, offsets=size * offsets)
     return simulate_recording(user, "user", mounts, eye_height)
 
 
@@ -157,7 +158,9 @@ def test_scales_are_the_ratios_of_the_bodies_sizes() -> None:
     user = take("walk", USER).motion
     # the user's height at ease is that of the whole take
     whole = record(cut(user, 0, 120), record(user).eye_height)
-    made = baked(cut(user, 0, 120), [people], scale_motion(user, RIG / USER).skeleton, SETTINGS, recording=whole)
+    made = baked(
+        cut(user, 0, 120), [people], scale_motion(user, RIG / USER).skeleton, SETTINGS, recording=whole
+    )
     assert made.report["scale"]["user_to_rig"] == pytest.approx(RIG / USER, rel=1e-6)
     assert made.report["scale"]["user_to_database"] == pytest.approx(PEOPLE / USER, rel=1e-6)
 
@@ -184,7 +187,9 @@ def test_the_hips_follow_the_user_where_the_match_strays(user, walking, crouchin
     assert strays > 0.25 and away < 0.2 * strays
 
 
-def test_with_the_papers_target_it_is_the_head_to_the_millimetre(user, walking, crouching, rig_body, sizes) -> None:
+def test_with_the_papers_target_it_is_the_head_to_the_millimetre(
+    user, walking, crouching, rig_body, sizes
+) -> None:
     found = baked(user, [walking, crouching], rig_body, PAPER)
     targets = found.playback.target_positions * sizes.from_people
     assert distances(targets, sizes.to_rig * world(user, "head")[:, :2]).max() < 1e-6
@@ -192,7 +197,9 @@ def test_with_the_papers_target_it_is_the_head_to_the_millimetre(user, walking, 
 
 @pytest.mark.parametrize("settings", [SETTINGS, PAPER], ids=["path", "paper"])
 @pytest.mark.parametrize("alpha", [0.04, 0.11])
-def test_alpha_is_metres_of_the_rig(user, walking, crouching, rig_body, sizes, settings, alpha: float) -> None:
+def test_alpha_is_metres_of_the_rig(
+    user, walking, crouching, rig_body, sizes, settings, alpha: float
+) -> None:
     found = baked(user, [walking, crouching], rig_body, replace(settings, alpha=alpha))
     playback = found.playback
     away = distances(playback.root_positions, playback.target_positions) * sizes.from_people
@@ -208,7 +215,9 @@ def test_figures_are_centimetres_of_the_rig(user, result, sizes) -> None:
     figures, motion, playback = result.report["metrics"], result.motion, result.playback
     mine, true = motion.forward()[0], sizes.to_rig * user.forward()[0]
     roles = motion.skeleton.roles
-    legs = [i for i, role in enumerate(roles) if role.split(".")[0] in ("hips", "thigh", "shin", "foot", "toe")]
+    legs = [
+        i for i, role in enumerate(roles) if role.split(".")[0] in ("hips", "thigh", "shin", "foot", "toe")
+    ]
     order = [user.skeleton.joint(role) for role in roles]
     apart = distances(mine, true[:, order])
     targets = playback.target_positions * sizes.from_people
@@ -296,7 +305,9 @@ def test_people_of_twice_the_size_give_the_same_bake(user, walking, crouching, r
     assert_same_bake(plain, baked(user, twice, rig_body, settings, truth=user), 1e-9)
 
 
-def test_each_database_plays_while_the_user_is_as_low_as_its_range(user, walking, crouching, rig_body, result) -> None:
+def test_each_database_plays_while_the_user_is_as_low_as_its_range(
+    user, walking, crouching, rig_body, result
+) -> None:
     recording = record(user)
     ratio = recording.positions[:, 0, 2] / recording.eye_height
     assert 0.1 < (ratio < 0.78).mean() < 0.6

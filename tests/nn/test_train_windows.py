@@ -29,7 +29,11 @@ def samples(tumble) -> list[Sample]:
     out: list[Sample] = []
     for k, frames in enumerate((70, 45, 230, 55)):
         times = np.arange(frames)[:, None, None] / RATE
-        rate, phase, place = rng.uniform(0.5, 3.0, (3, 3)), rng.uniform(0.0, 6.0, (3, 3)), rng.normal(0.0, 3.0, 3)
+        rate, phase, place = (
+            rng.uniform(0.5, 3.0, (3, 3)),
+            rng.uniform(0.0, 6.0, (3, 3)),
+            rng.normal(0.0, 3.0, 3),
+        )
         positions = place + [0.0, 0.0, 1.5] + 0.5 * np.sin(rate * times + phase)
         rotations = tumble(frames, RATE, count=3, seed=20 + k)
         yaws = rng.uniform(-3.0, 3.0) + np.cumsum(rng.normal(0.0, 0.05, frames))
@@ -92,7 +96,9 @@ def test_windows_that_run_quicker_or_slower_stay_in_their_take(tumble) -> None:
     still = [
         Sample(
             f"take {k}",
-            np.tile([[100.0 * k, 7.0, 1.6], [100.0 * k - 0.3, 7.2, 1.1], [100.0 * k + 0.4, 7.3, 1.0]], (40, 1, 1)),
+            np.tile(
+                [[100.0 * k, 7.0, 1.6], [100.0 * k - 0.3, 7.2, 1.1], [100.0 * k + 0.4, 7.3, 1.0]], (40, 1, 1)
+            ),
             np.repeat(tumble(1, count=3, seed=k), 40, axis=0),
             np.full(40, 0.3 * k),
             1.6,

@@ -109,7 +109,7 @@ def drifting(like: MotionDatabase, speed: float, apart: float) -> MotionDatabase
 
 
 def test_drift_that_alpha_will_hold_is_not_paid_for_by_changes(make_database) -> None:
-    """A user stands; all that the database has drifts by 10 cm/s. At most 2 cm of that will be seen with alpha at 2 cm."""
+    """A user stands; all that the database has drifts by 10 cm/s, of which an alpha of 2 cm shows 2 cm at most."""
     database = drifting(make_database(), 0.1, 1.0)
     standing = make_trajectory(np.zeros((600, 2)), np.zeros(600), FPS, SETTINGS)
     held = search(standing, database, alpha=0.02)
@@ -160,7 +160,10 @@ def test_no_change_goes_to_a_neighbour_of_what_plays(make_database, seed: int) -
     database = make_database(seed=seed, lengths=(500, 400))
     poses, clip = database.poses, slice(0, 450)
     stretch = np.linspace(0.0, 449.0, 301)
-    columns = [np.interp(stretch, np.arange(450), column[clip]) for column in (*poses.root_positions.T, poses.root_yaws)]
+    columns = [
+        np.interp(stretch, np.arange(450), column[clip])
+        for column in (*poses.root_positions.T, poses.root_yaws)
+    ]
     user = make_trajectory(np.column_stack(columns[:2]), columns[2], FPS, SETTINGS)
     playback = run(match(user, np.ones(301), [database], SETTINGS))
     made = changes(playback, database)
@@ -197,7 +200,9 @@ class Reckoner:
         self.poses, self.values = database.poses, np.asarray(database.features.values, np.float64)
         self.mean, self.deviation = database.features.mean[:12], database.features.deviation[:12]
         self.user, self.alpha = user, alpha
-        self.ends = np.concatenate([np.full(clip.stop - clip.start, clip.stop - 1) for clip in database.clips])
+        self.ends = np.concatenate(
+            [np.full(clip.stop - clip.start, clip.stop - 1) for clip in database.clips]
+        )
         self.candidates = np.flatnonzero(database.features.trajectory_valid)
 
     def allowed(self, playing: np.ndarray, frames: np.ndarray, length: int) -> np.ndarray:

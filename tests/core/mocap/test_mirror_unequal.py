@@ -27,7 +27,11 @@ def points(motion: Motion, role: str) -> tuple[np.ndarray, np.ndarray, np.ndarra
     positions, rotations = motion.forward()
     joint = motion.skeleton.joint(role)
     turn = Rotation.from_quat(np.roll(rotations[:, joint], -1, axis=-1))
-    return positions[:, joint], positions[:, joint] + turn.apply(motion.skeleton.tips[joint]), turn.as_matrix()
+    return (
+        positions[:, joint],
+        positions[:, joint] + turn.apply(motion.skeleton.tips[joint]),
+        turn.as_matrix(),
+    )
 
 
 @pytest.fixture(scope="module")

@@ -51,7 +51,9 @@ def forward_bends(motion: Motion) -> np.ndarray:
     positions, _ = motion.forward()
     out = np.empty((len(motion), 2))
     for i, side in enumerate(SIDES):
-        hip, knee, ankle = (positions[:, motion.skeleton.joint(f"{part}.{side}")] for part in ("thigh", "shin", "foot"))
+        hip, knee, ankle = (
+            positions[:, motion.skeleton.joint(f"{part}.{side}")] for part in ("thigh", "shin", "foot")
+        )
         line = (ankle - hip) / np.linalg.norm(ankle - hip, axis=-1, keepdims=True)
         bend = knee - hip - np.sum((knee - hip) * line, axis=-1, keepdims=True) * line
         heading = YAW + TURNED_OUT[i]
