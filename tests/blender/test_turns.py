@@ -35,6 +35,7 @@ MIDDLES = {
     "back through one": 0.3 + 1.9 * np.sin(np.pi * TIME),
     "up to a pole": 1.5697 * np.sin(6.0 * TIME),
     "to and fro over a pole": 1.45 + 0.35 * np.sin(30.0 * TIME),
+    "along a pole": 1.5697 + 0.0008 * np.sin(9.0 * TIME),
     "far from poles": 0.8 * np.sin(4.0 * TIME),
 }
 
@@ -49,6 +50,21 @@ def test_smooth_angles_come_back_as_they_were(order: str, middle: str) -> None:
     apart = found - wanted
     whole = np.round(apart[0] / (2.0 * np.pi)) * 2.0 * np.pi
     np.testing.assert_allclose(apart, np.broadcast_to(whole, apart.shape), atol=1e-4)
+
+
+@pytest.mark.parametrize("turns", [(-1.3, 5.1), (4.0, -9.0), (0.4, 7.0)])
+def test_an_axis_that_drifts_comes_back_while_the_angle_goes_through_nought_and_whole_turns(
+    turns: tuple[float, float],
+) -> None:
+    angle = np.linspace(*turns, FRAMES)
+    axis = np.stack([np.cos(2.0 * TIME), 0.5 + np.sin(3.0 * TIME), 0.8 - TIME], axis=-1)
+    axis /= np.linalg.norm(axis, axis=-1, keepdims=True)
+    track = np.concatenate([np.cos(0.5 * angle)[:, None], np.sin(0.5 * angle)[:, None] * axis], axis=-1)
+    found = rotations.channels(track, "AXIS_ANGLE")
+    side = np.sign(found[0, 1:] @ axis[0])
+    np.testing.assert_allclose(found[:, 1:], side * axis, atol=1e-6)
+    apart = found[:, 0] - side * angle
+    np.testing.assert_allclose(apart, np.round(apart[0] / (2.0 * np.pi)) * 2.0 * np.pi, atol=1e-6)
 
 
 def evaluated(obj: bpy.types.Object, scene: bpy.types.Scene, times: np.ndarray) -> np.ndarray:
