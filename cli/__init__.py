@@ -343,6 +343,7 @@ def bake(options: argparse.Namespace) -> Report:
     from ..core.pipeline import bake as bake_job
     from ..core.pipeline import report_in_words
     from ..core.recording.cut import cut
+    from ..core.recording.orientation import HEADSET
     from ..core.recording.read import read_recording
 
     try:
@@ -369,7 +370,7 @@ def bake(options: argparse.Namespace) -> Report:
     ground = target.ground(options.ground) if options.ground else None
     result = run(bake_job(recording, databases, predict, target.rig, settings, output_fps=fps, ground=ground))
     for kind, path in (
-        ("predictor", None if options.predictor == "hmd" else options.predictor),
+        ("predictor", None if options.predictor == HEADSET else options.predictor),
         ("rig", files.split_rig(options.rig)[0] if options.rig else None),
         ("ground", files.split_rig(options.ground)[0] if options.ground else None),
     ):

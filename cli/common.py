@@ -41,7 +41,9 @@ NO_FIGURES = "no figures: they need matplotlib (pip install matplotlib)"
 def add_bake_options(parser: argparse.ArgumentParser) -> None:
     """The options of a bake."""
     add_database(parser)
-    parser.add_argument("--predictor", metavar="P.npz", help='body-orientation weights, or "hmd" for none')
+    parser.add_argument(
+        "--predictor", metavar="P.npz", help='body-orientation weights, or "headset" for none'
+    )
     add_settings(parser, BakeSettings)
 
 
@@ -216,9 +218,10 @@ def load_databases(paths: Sequence[str]) -> list[Any]:
 
 def choose_predictor(name: str | None) -> Callable[[Any], Any]:
     """The function from recording to body orientation that `--predictor` names; what ships by default."""
-    from ..nn.predictor import hmd_forward, load_predictor, predict, shipped_predictor
+    from ..core.recording.orientation import HEADSET
+    from ..nn.predictor import headset_forward, load_predictor, predict, shipped_predictor
 
-    if name == "hmd":
-        return hmd_forward
+    if name == HEADSET:
+        return headset_forward
     predictor = load_predictor(name) if name else shipped_predictor()
     return lambda recording: predict(predictor, recording)

@@ -73,7 +73,7 @@ def _add_evaluate(sub: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="P.npz",
-        help='body-orientation weights, or "hmd" for none; may be repeated: the first is used, all are compared by '
+        help='body-orientation weights, or "headset" for none; may be repeated: the first is used, all are compared by '
         "the experiment orientation",
     )
     sub.add_argument(
@@ -111,6 +111,7 @@ def evaluate(options: argparse.Namespace) -> Report:
     """Bakes of recordings simulated from takes, compared with the takes themselves."""
     from ..core.evaluation.evaluate import evaluate_takes
     from ..core.pipeline import report_in_words
+    from ..core.recording.orientation import HEADSET
 
     settings = cli.read_settings(options, BakeSettings)
     limits = cli.each(options.fail_if, parse_limit)
@@ -123,7 +124,7 @@ def evaluate(options: argparse.Namespace) -> Report:
     first = options.predictor[0] if options.predictor else None
     predict = None if options.true_orientation else cli.choose_predictor(first)
     report = cli.run(evaluate_takes(takes, databases, predict, settings, show))
-    weights = [path for path in options.predictor if path != "hmd"]
+    weights = [path for path in options.predictor if path != HEADSET]
     report["inputs"] += [{"kind": "predictor", "name": p, "sha256": sha256_of(p)} for p in weights]
     for entry in report["takes"]:
         cli.say(options, f"{entry['take']}\n{report_in_words(entry)}")
@@ -179,10 +180,10 @@ def compared_predictors(
     options: argparse.Namespace, folder: Path | None
 ) -> tuple[dict[str, Any], dict[str, frozenset[str]]]:
     """The predictors of the experiment orientation by label, and the takes that each was trained on."""
-    from ..core.evaluation.experiments_body import HMD
-    from ..nn.predictor import hmd_forward, load_predictor, predict, shipped_predictors
+    from ..core.recording.orientation import HEADSET
+    from ..nn.predictor import headset_forward, load_predictor, predict, shipped_predictors
 
-    given = [path for path in options.predictor if path != "hmd"]
+    given = [path for path in options.predictor if path != HEADSET]
     loaded = list(zip([Path(p).stem for p in given], cli.each(given, load_predictor), strict=True))
     if options.train_on:
         loaded += train_paper_networks(options, folder)
@@ -191,7 +192,7 @@ def compared_predictors(
         loaded += [(name, p) for name, p in shipped.items() if p.layout is None]
     if not any(predictor.layout is not None for _, predictor in loaded):
         loaded += [(name, p) for name, p in shipped.items() if p.layout is not None]
-    ways: dict[str, Any] = {HMD: hmd_forward}
+    ways: dict[str, Any] = {HEADSET: headset_forward}
     trained: dict[str, frozenset[str]] = {}
     for name, predictor in loaded:
         label = f"ours, {name}"

@@ -11,17 +11,16 @@ from numpy.typing import NDArray
 from ..core.database.virtual_root import virtual_root
 from ..core.maths import angles
 from ..core.mocap.take import Take
-from ..core.recording.orientation import Orientation
+from ..core.recording.orientation import HEADSET, Orientation
 from ..core.recording.recording import Recording
 from ..core.recording.simulate import lose_trackers, simulate_recording
 from ..core.recording.targets import joint_targets
 from .inputs import headings
-from .predictor import hmd_forward, predict
+from .predictor import headset_forward, predict
 from .weights import Predictor
 
 Array = NDArray[np.floating[Any]]
 
-HMD_FORWARD = "hmd-forward"
 HEURISTIC = "hands-and-head"
 POOL_RATE = 30.0
 """Errors of a second that count where takes are pooled, whatever their frame rate."""
@@ -81,7 +80,7 @@ def evaluate_predictors(
         the 100th; `doubt` is the mean deviation that the predictor itself expects, None where it has no notion of it.
     """
     ways: dict[str, Callable[[Recording], Orientation]] = {
-        HMD_FORWARD: hmd_forward,
+        HEADSET: headset_forward,
         HEURISTIC: hands_and_head,
     }
     for name, predictor in predictors.items():

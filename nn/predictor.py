@@ -51,7 +51,7 @@ def shipped_predictors() -> dict[str, Predictor]:
     return {path.stem: read_predictor(path) for path in sorted(_FOLDER.glob("*.npz"))}
 
 
-def hmd_forward(recording: Recording) -> Orientation:
+def headset_forward(recording: Recording) -> Orientation:
     """The yaw of the headset's forward projected on the ground, which knows of no doubt."""
     _, rotations = joint_targets(recording)
     return Orientation(np.unwrap(headings(rotations)), None)

@@ -107,14 +107,14 @@ def train_predictor(
         "file": str(output),
         "kind": settings.kind,
         "held_out_error_deg": round(error, 3),
-        "hmd_forward_error_deg": round(forward, 3),
+        "headset_forward_error_deg": round(forward, 3),
         "seconds": round(time.monotonic() - began, 1),
         "parameters": predictor.parameters,
         "losses": history,
         "left_out": notes,
         **({} if trials is None else {"trials": trials}),
     }
-    told = ("held_out_error_deg", "hmd_forward_error_deg", "losses", "left_out", "trials")
+    told = ("held_out_error_deg", "headset_forward_error_deg", "losses", "left_out", "trials")
     provenance = {
         **{key: report[key] for key in told if key in report},
         "settings": {name: getattr(settings, name) for name in settings.__slots__},

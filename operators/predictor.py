@@ -76,7 +76,7 @@ def in_words(report: dict) -> str:
     """What came of a training."""
     return (
         f"{report['held_out_error_deg']:.1f}° mean error on takes held out, "
-        f"the headset's forward {report['hmd_forward_error_deg']:.1f}°"
+        f"the headset's forward {report['headset_forward_error_deg']:.1f}°"
     )
 
 

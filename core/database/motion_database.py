@@ -99,7 +99,7 @@ class MotionDatabase:
     eye_height: float
     """Height of the head joint while this body stands at ease, metres."""
     height_range: tuple[float, float]
-    """HMD height over calibrated eye height for which this database is meant: [low, high)."""
+    """Headset height over calibrated eye height for which this database is meant: [low, high)."""
     tags: tuple[str, ...] = ()
     provenance: dict[str, str] = field(default_factory=dict[str, str])
     sha256: str = ""

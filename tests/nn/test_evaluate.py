@@ -42,7 +42,7 @@ def test_pooled_takes_follow_one_another_a_second_counting_the_same():
     motions = [demo_motion(script, seed) for seed, script in enumerate(("visit", "walk", "visit", "turn"))]
     motions[1] = replace(motions[1], fps=motions[1].fps / 2)
     takes = [Take(f"{i}", f"{i}.bvh", "0" * 64, motion, {}, ()) for i, motion in enumerate(motions)]
-    row = evaluate_predictors(takes, {})["predictors"]["hmd-forward"]
+    row = evaluate_predictors(takes, {})["predictors"]["headset"]
     errors = np.concatenate([looking_aside(motion)[:: round(motion.fps / 30)] for motion in motions])
     assert len(errors) > 1800
     parts = np.split(errors, np.arange(1800, len(errors), 1800))
@@ -59,14 +59,14 @@ def test_report_of_a_take():
     take = Take("turn", "turn.bvh", "0" * 64, motion, {}, ())
     predictors = shipped_predictors()
     report = json.loads(json.dumps(evaluate_predictors([take], predictors)))
-    assert list(report["predictors"]) == ["hmd-forward", "hands-and-head", *predictors]
+    assert list(report["predictors"]) == ["headset", "hands-and-head", *predictors]
     for name, row in report["predictors"].items():
         assert set(row) == {"mean", "std", "p95", "per_minute", "percentiles", "causal", "doubt"}
         assert row["causal"] is (name != "look-ahead")
-    found = report["takes"][0]["predictors"]["hmd-forward"]["mean"]
+    found = report["takes"][0]["predictors"]["headset"]["mean"]
     assert found == pytest.approx(looking_aside(motion).mean())
     words = errors_in_words(report)
-    assert "hmd-forward" in words
+    assert "headset" in words
     assert f"{report['predictors']['causal']['mean']:.2f}" in words
 
 
@@ -89,4 +89,4 @@ def test_predictors_are_less_sure_and_err_more_without_controllers():
     assert rows[0]["causal"]["doubt"] < rows[1]["causal"]["doubt"] < rows[2]["causal"]["doubt"]
     assert rows[0]["causal"]["mean"] < rows[2]["causal"]["mean"]
     # the headset is there all the same, and has no notion of doubt
-    assert len({row["hmd-forward"]["mean"] for row in rows}) == 1 and rows[0]["hmd-forward"]["doubt"] is None
+    assert len({row["headset"]["mean"] for row in rows}) == 1 and rows[0]["headset"]["doubt"] is None

@@ -15,7 +15,7 @@ from footwork.core.recording.simulate import simulate_recording
 from footwork.core.recording.targets import joint_targets, scale
 from footwork.nn.evaluate import yaw_errors
 from footwork.nn.inputs import RATE
-from footwork.nn.predictor import hmd_forward, predict, run_recurrent, shipped_predictors
+from footwork.nn.predictor import headset_forward, predict, run_recurrent, shipped_predictors
 
 SHIPPED = shipped_predictors()
 each_shipped = pytest.mark.parametrize("name", SHIPPED)
@@ -37,13 +37,13 @@ def _turned(recording: Recording, yaw: float) -> Recording:
     )
 
 
-def test_hmd_forward_is_where_the_headset_looks():
+def test_headset_forward_is_where_the_headset_looks():
     motion = demo_motion("walk", seed=3)
     recording = simulate_recording(motion, "walk", mounts=DEVICE_MOUNTS)
     _, rotations = motion.forward()
     matrix = quat.to_matrix(rotations[:, motion.skeleton.joint("head")])
     expected = np.arctan2(-matrix[:, 0, 1], matrix[:, 1, 1])
-    np.testing.assert_allclose(angles.wrap(hmd_forward(recording).yaws - expected), 0.0, atol=1e-9)
+    np.testing.assert_allclose(angles.wrap(headset_forward(recording).yaws - expected), 0.0, atol=1e-9)
 
 
 @each_shipped
@@ -145,7 +145,7 @@ def test_shipped_predictors_beat_the_headset_on_real_takes_never_trained_on(name
     takes = [load_take(data / "takes" / "lafan1" / f"{file}_filtered.bvh") for file in files]
     assert not {take.name for take in takes} & {t["take"] for t in SHIPPED[name].provenance["takes"]}
     report = evaluate_predictors(takes, {name: SHIPPED[name]})["predictors"]
-    assert report[name]["mean"] < report["hmd-forward"]["mean"]
+    assert report[name]["mean"] < report["headset"]["mean"]
 
 
 @each_shipped

@@ -132,7 +132,7 @@ def test_a_short_training_learns_and_says_what_it_did(tmp_path, takes, kind):
     settings = TrainSettings(kind=kind, iterations=5, epochs=4 if kind == "paper" else 8, batch=128, seed=7)
     messages: list[tuple[float, str]] = []
     report = run(train_predictor(takes, settings, path), lambda *message: messages.append(message))
-    assert report["held_out_error_deg"] < report["hmd_forward_error_deg"]
+    assert report["held_out_error_deg"] < report["headset_forward_error_deg"]
     assert report["losses"][-1]["loss"] < 0.8 * report["losses"][0]["loss"]
     fractions = [fraction for fraction, _ in messages]
     assert fractions == sorted(fractions)
@@ -141,6 +141,8 @@ def test_a_short_training_learns_and_says_what_it_did(tmp_path, takes, kind):
     assert (predictor.name, predictor.causal) == ("p", kind != "look-ahead")
     origin = predictor.provenance
     assert origin["settings"]["seed"] == 7
+    for key in ("held_out_error_deg", "headset_forward_error_deg"):
+        assert origin[key] == report[key]
     assert [take["take"] for take in origin["takes"]] == [take.name for take in takes]
     assert set(origin["held_out"]) < {take.name for take in takes}
 
