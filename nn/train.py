@@ -15,6 +15,7 @@ import numpy as np
 
 from ..core.errors import InputError
 from ..core.jobs import Job
+from ..core.measure.measures import yaw_errors
 from ..core.mocap.take import Take
 from ..core.settings import check
 from .checkpoint import (
@@ -28,12 +29,11 @@ from .checkpoint import (
     remove_checkpoint,
     write_checkpoint,
 )
-from .evaluate import yaw_errors
 from .inputs import INPUTS, RATE, Scaler, headings
 from .layouts import CAUSAL, LOOK_AHEAD
 from .network import Network
 from .predictor import run_recurrent, run_windows
-from .samples import Sample, samples_of
+from .samples import Array, Sample, samples_of
 from .search import Trained, check_search, search
 from .settings import TrainSettings
 from .weights import Predictor, read_predictor, save_predictor
@@ -87,7 +87,7 @@ def train_predictor(
     plan = _plan(output, settings, takes, held_out)
     yield 0.0, "reading takes"
     training, testing, notes = _split(takes, held_out, settings)
-    forward = error_of_forward(testing)
+    forward = headset_forward_error_deg(testing)
     began = time.monotonic()
     trials: list[dict[str, Any]] | None = None
     if settings.trials:
@@ -96,7 +96,7 @@ def train_predictor(
         settings, trials = found.settings, found.trials
     else:
         predictor, history = yield from _train(training, testing, settings, plan)
-    error = held_out_error(predictor, testing)
+    error = held_out_error_deg(predictor, testing)
     if error >= forward and not settings.keep_worse:
         raise InputError(
             f"{output}: not written, {error:.1f} degrees on held-out takes is no better than the headset's "
@@ -243,7 +243,7 @@ def _trial(
             if ended(progress.history):
                 break
     predictor = replace(learner.predictor(), networks=(progress.best,))
-    return Trained(predictor, held_out_error(predictor, testing), progress.history)
+    return Trained(predictor, held_out_error_deg(predictor, testing), progress.history)
 
 
 def _save(plan: _Plan, progress: Progress, learner: Any) -> None:
@@ -356,7 +356,7 @@ def _fit(
             if measured:
                 message = _measure(learner, testing, progress)
             elif n % 20 == 0:
-                message = f"step {n} of {steps}, best {progress.best_error:.2f} degrees"
+                message = f"step {n} of {steps}, best {progress.best_error_deg:.2f} degrees"
             else:
                 continue
             if measured or time.monotonic() > saved + SAVE_EVERY_S:
@@ -373,18 +373,18 @@ def _fit(
 def _measure(learner: Any, testing: list[Sample], progress: Progress) -> str:
     """Take the held-out error into `progress`; returns what to say of it."""
     candidate = learner.predictor()
-    error, loss = held_out_error(candidate, testing), float(np.mean(progress.losses))
+    error, loss = held_out_error_deg(candidate, testing), float(np.mean(progress.losses))
     progress.history.append({"step": progress.step, "loss": round(loss, 5), "held_out_deg": round(error, 3)})
     progress.losses.clear()
     # later steps are smaller and steadier: a later network that is about as good is the better one
-    if error < 1.05 * progress.best_error:
+    if error < 1.05 * progress.best_error_deg:
         progress.best = candidate.networks[0]
-    progress.waited = 0 if error < progress.best_error else progress.waited + 1
-    progress.best_error = min(error, progress.best_error)
-    return f"loss {loss:.4f}, held out {error:.2f} degrees, best {progress.best_error:.2f}"
+    progress.waited = 0 if error < progress.best_error_deg else progress.waited + 1
+    progress.best_error_deg = min(error, progress.best_error_deg)
+    return f"loss {loss:.4f}, held out {error:.2f} degrees, best {progress.best_error_deg:.2f}"
 
 
-def predicted(predictor: Predictor, sample: Sample) -> Any:
+def predicted(predictor: Predictor, sample: Sample) -> Array:
     """The yaws `(T,)` in radians that the predictor gives for a sample."""
     if predictor.layout is None:
         return run_recurrent(predictor, sample.positions, sample.rotations)
@@ -393,11 +393,16 @@ def predicted(predictor: Predictor, sample: Sample) -> Any:
     return run_windows(predictor, predictor.layout, rows, RATE).yaws
 
 
-def held_out_error(predictor: Predictor, samples: Sequence[Sample]) -> float:
+def held_out_error_deg(predictor: Predictor, samples: Sequence[Sample]) -> float:
     """Mean absolute error in degrees over all frames, as in use."""
-    return float(np.mean(np.concatenate([yaw_errors(predicted(predictor, s), s.yaws) for s in samples])))
+    return _mean_error_deg([predicted(predictor, sample) for sample in samples], samples)
 
 
-def error_of_forward(samples: Sequence[Sample]) -> float:
+def headset_forward_error_deg(samples: Sequence[Sample]) -> float:
     """Mean absolute error in degrees of the headset's forward."""
-    return float(np.mean(np.concatenate([yaw_errors(headings(s.rotations), s.yaws) for s in samples])))
+    return _mean_error_deg([headings(sample.rotations) for sample in samples], samples)
+
+
+def _mean_error_deg(yaws: Sequence[Array], samples: Sequence[Sample]) -> float:
+    errors = [yaw_errors(found, sample.yaws) for found, sample in zip(yaws, samples, strict=True)]
+    return float(np.degrees(np.mean(np.concatenate(errors))))

@@ -119,7 +119,7 @@ def test_every_part_is_read_as_it_was_written(tmp_path) -> None:
     kept = Checkpoint(origin, progress, scaler, network(), network(), {"a": rng.random(3)})
     write_checkpoint(tmp_path / "c", kept)
     read = read_checkpoint(tmp_path / "c", origin)
-    for field in ("history", "step", "best_error", "waited", "losses"):
+    for field in ("history", "step", "best_error_deg", "waited", "losses"):
         assert getattr(read.progress, field) == getattr(progress, field)
     pairs = [(read.network, kept.network), (read.start, kept.start), (read.progress.best, progress.best)]
     for one, other in [*pairs, *zip(read.progress.found, progress.found, strict=True)]:
@@ -307,7 +307,7 @@ def test_what_was_no_good_can_be_saved_or_trained_on(tmp_path, takes, monkeypatc
     path = tmp_path / "p.npz"
     clock = itertools.count()
     monkeypatch.setattr(train, "time", SimpleNamespace(monotonic=lambda: next(clock)))
-    monkeypatch.setattr(train, "error_of_forward", lambda samples: 0.01)
+    monkeypatch.setattr(train, "headset_forward_error_deg", lambda samples: 0.01)
     bad, steps = replace(PAPER, keep_worse=False, time_limit=40.0), [0]
     for resume in (False, True):
         with pytest.raises(InputError, match="with resume and keep-worse"):

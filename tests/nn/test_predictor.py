@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from footwork.core.maths import angles, quat
+from footwork.core.measure.measures import yaw_errors
 from footwork.core.mocap.demo import demo_motion
 from footwork.core.recording.mounts import DEVICE_MOUNTS
 from footwork.core.recording.recording import Recording
 from footwork.core.recording.resample import resample
 from footwork.core.recording.simulate import simulate_recording
 from footwork.core.recording.targets import joint_targets, scale
-from footwork.nn.evaluate import yaw_errors
 from footwork.nn.inputs import RATE
 from footwork.nn.predictor import headset_forward, predict, run_recurrent, shipped_predictors
 
@@ -60,7 +60,7 @@ def test_the_size_of_the_body_does_not_matter(name, factor, body):
     recording, _ = body
     before = predict(SHIPPED[name], recording).yaws
     after = predict(SHIPPED[name], scale(recording, factor)).yaws
-    assert np.mean(yaw_errors(after, before)) < 0.5
+    assert np.mean(yaw_errors(after, before)) < np.radians(0.5)
 
 
 @each_shipped
@@ -69,7 +69,7 @@ def test_the_rate_of_the_recording_does_not_matter(name, fps, body):
     recording, _ = body
     other = resample(recording, fps)
     slow = np.interp(recording.times, other.times, predict(SHIPPED[name], other).yaws)
-    assert np.mean(yaw_errors(slow, predict(SHIPPED[name], recording).yaws)) < 0.5
+    assert np.mean(yaw_errors(slow, predict(SHIPPED[name], recording).yaws)) < np.radians(0.5)
 
 
 @each_shipped
@@ -108,7 +108,7 @@ def test_lost_controllers_leave_a_finite_and_less_certain_answer(name, lost, bod
     assert np.all(np.isfinite(crippled.doubt))
     if SHIPPED[name].layout is not None:
         assert np.mean(crippled.doubt[200:]) > np.mean(predict(SHIPPED[name], recording).doubt[200:])
-        assert np.mean(yaw_errors(crippled.yaws, truth)) < 30.0
+        assert np.mean(yaw_errors(crippled.yaws, truth)) < np.radians(30.0)
 
 
 def test_the_papers_network_forgets_a_wrong_start():
@@ -118,9 +118,10 @@ def test_the_papers_network_forgets_a_wrong_start():
     positions, rotations = joint_targets(recording)
     right = run_recurrent(SHIPPED["paper"], positions, rotations)
     wrong = run_recurrent(SHIPPED["paper"], positions, rotations, start=right[0] + np.pi)
-    assert yaw_errors(wrong, right)[0] > 20.0
-    assert np.max(yaw_errors(wrong, right)[int(RATE) :]) < 45.0
-    assert np.max(yaw_errors(wrong, right)[int(2 * RATE) :]) < 5.0
+    apart_deg = np.degrees(yaw_errors(wrong, right))
+    assert apart_deg[0] > 20.0
+    assert np.max(apart_deg[int(RATE) :]) < 45.0
+    assert np.max(apart_deg[int(2 * RATE) :]) < 5.0
 
 
 def test_two_frames_are_enough(body):

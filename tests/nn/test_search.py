@@ -86,7 +86,7 @@ def test_the_worse_half_is_pruned_and_the_best_of_the_rest_kept() -> None:
     assert [row["measurements"] for row in found.trials] == [end or 15 for end in ends]
     for row, curve, end in zip(found.trials, train.curves, ends, strict=True):
         assert row["held_out_error_deg"] == pytest.approx(curve[(end or 15) - 1], abs=1e-3)
-    best = int(np.argmin([trained.error for trained in train.learnt]))
+    best = int(np.argmin([trained.error_deg for trained in train.learnt]))
     assert found.best is train.learnt[best]
     assert found.settings == replace(train.asked[best], time_limit=TrainSettings().time_limit)
 
@@ -112,7 +112,7 @@ def test_a_pruned_trial_can_be_the_best() -> None:
         (10.0, True),
         (11.0, True),
     ]
-    assert found.best.error == 10.0
+    assert found.best.error_deg == 10.0
 
 
 @needs_optuna
@@ -226,5 +226,5 @@ def test_a_small_search_writes_what_its_best_trial_has_learnt(
     assert one.networks[0].sizes[1] == best["hidden"]
     # the file holds what was measured
     (testing,) = [take for take in takes if take.name in one.provenance["held_out"]]
-    error = train.held_out_error(one, train.samples_of([testing])[0])
+    error = train.held_out_error_deg(one, train.samples_of([testing])[0])
     assert error == pytest.approx(best["held_out_error_deg"], abs=1e-2)

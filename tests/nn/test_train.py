@@ -164,7 +164,7 @@ def test_same_seed_same_weights_and_resuming_goes_on(tmp_path, takes):
 def test_what_is_worse_than_the_headset_is_not_written(tmp_path, takes, monkeypatch):
     path = tmp_path / "p.npz"
     settings = TrainSettings(kind="paper", iterations=1, epochs=1, batch=4096)
-    monkeypatch.setattr(train, "error_of_forward", lambda samples: 0.01)
+    monkeypatch.setattr(train, "headset_forward_error_deg", lambda samples: 0.01)
     with pytest.raises(InputError, match="keep-worse"):
         run(train_predictor(takes, settings, path))
     assert not path.exists()
