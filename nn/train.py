@@ -30,14 +30,13 @@ from .checkpoint import (
     write_checkpoint,
 )
 from .inputs import INPUTS, RATE, Scaler, headings
-from .layouts import CAUSAL, LOOK_AHEAD
 from .network import Network
 from .predictor import run_recurrent, run_windows
 from .samples import Array, Sample, samples_of
 from .search import Trained, check_search, search
 from .settings import TrainSettings
 from .weights import Predictor, read_predictor, save_predictor
-from .windows import stream
+from .windows import CAUSAL, LOOK_AHEAD, stream
 
 MEASUREMENTS = 15
 """How often the held-out error is measured in a full training."""

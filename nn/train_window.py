@@ -16,7 +16,7 @@ from .network import Network
 from .samples import Sample
 from .train_torch import build_mlp, from_torch, load_weights, restore_training, training_state
 from .weights import Predictor
-from .windows import FACING, Layout, mirror_inputs, stream, window_inputs
+from .windows import FACING, WindowLayout, mirror_inputs, stream, window_inputs
 
 HIDDEN = (256, 128)
 SMOOTHING = 0.1
@@ -30,7 +30,7 @@ class WindowLearner:
     def __init__(
         self,
         samples: Sequence[Sample],
-        layout: Layout,
+        layout: WindowLayout,
         *,
         batch: int,
         learning_rate: float,
