@@ -16,8 +16,8 @@ from pathlib import Path
 from ..core.errors import InputError
 from ..core.files import sha256_of, write_atomically
 from ..core.settings import BakeSettings, DatabaseSettings
-from ..nn.checkpoint import checkpoint_path
 from ..nn.settings import TrainSettings
+from ..nn.train.checkpoint import checkpoint_path
 from . import evaluate as evaluation
 from .common import (
     Report,
@@ -299,7 +299,7 @@ def info(options: argparse.Namespace) -> Report:
 def train(options: argparse.Namespace) -> Report:
     """A body-orientation predictor from takes."""
     from ..nn.settings import TrainSettings
-    from ..nn.train import train_predictor
+    from ..nn.train.job import train_predictor
 
     settings = read_settings(options, TrainSettings)
     takes = load_takes(options.takes)

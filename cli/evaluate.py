@@ -210,7 +210,7 @@ def train_paper_networks(options: argparse.Namespace, folder: Path | None) -> li
 
     from ..nn.predictor import load_predictor
     from ..nn.settings import TrainSettings
-    from ..nn.train import train_predictor
+    from ..nn.train.job import train_predictor
 
     takes = cli.load_takes(options.train_on)
     out: list[tuple[str, Any]] = []

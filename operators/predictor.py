@@ -8,8 +8,8 @@ from bpy.props import StringProperty
 from ..bridge.lookup import find_scene
 from ..bridge.settings import read_settings
 from ..core.errors import InputError
-from ..nn.checkpoint import checkpoint_path
 from ..nn.settings import TrainSettings
+from ..nn.train.checkpoint import checkpoint_path
 from . import files, training
 from .job_operator import JobOperator
 

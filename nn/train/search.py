@@ -12,10 +12,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
-from ..core.errors import InputError
-from ..core.jobs import Job, part
-from .settings import TrainSettings
-from .weights import Predictor
+from ...core.errors import InputError
+from ...core.jobs import Job, part
+from ..settings import TrainSettings
+from ..weights import Predictor
 
 GRACE, REDUCTION = 5, 2
 """Measurements before the first halving, and one in how many goes on after each."""

@@ -18,13 +18,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.errors import InputError
-from ..core.files import write_atomically
-from ..core.mocap.take import Take
-from .inputs import Scaler
-from .network import Network
-from .settings import TrainSettings
-from .weights import read_arrays
+from ...core.errors import InputError
+from ...core.files import write_atomically
+from ...core.mocap.take import Take
+from ..inputs import Scaler
+from ..network import Network
+from ..settings import TrainSettings
+from ..weights import read_arrays
 
 FORMAT = "footwork-training"
 SCHEMA = 1
