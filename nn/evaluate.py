@@ -23,6 +23,8 @@ from .weights import Predictor
 Array = NDArray[np.floating[Any]]
 
 HEURISTIC = "hands-and-head"
+UNTRAINED = (HEADSET, HEURISTIC)
+"""Names in reports that no trained predictor may have."""
 POOL_RATE = 30.0
 """Errors of a second that count where takes are pooled, whatever their frame rate."""
 
