@@ -1,4 +1,4 @@
-"""What the verbs of the command line share: options made from settings, reading, progress, output."""
+"""What the verbs of the command line share: reading, progress, output."""
 
 from __future__ import annotations
 
@@ -9,122 +9,15 @@ import json
 import os
 import sys
 from collections.abc import Callable, Generator, Sequence
-from dataclasses import MISSING, fields
 from pathlib import Path
 from typing import Any
 
 from ..core import jobs
 from ..core.errors import InputError
-from ..core.files import check_target, write_atomically
-from ..core.settings import BakeSettings, check
+from ..core.files import write_atomically
+from .verb import Report
 
-Report = dict[str, Any]
-_INPUTS = (
-    "files",
-    "takes",
-    "take",
-    "recording",
-    "database",
-    "predictor",
-    "rig",
-    "ground",
-    "train_on",
-    "against",
-    "skeleton",
-    "old",
-    "new",
-)
-"""Options that name files to read."""
 NO_FIGURES = "no figures: they need matplotlib (pip install matplotlib)"
-
-
-def add_bake_options(parser: argparse.ArgumentParser) -> None:
-    """The options of a bake."""
-    add_database(parser)
-    parser.add_argument("--predictor", metavar="P.npz", help='body-orientation weights, or "hmd" for none')
-    add_settings(parser, BakeSettings)
-
-
-def add_database(parser: argparse.ArgumentParser) -> None:
-    """The option for one or more databases."""
-    parser.add_argument(
-        "--database",
-        action="append",
-        required=True,
-        metavar="DB.npz",
-        help="a motion database; may be repeated",
-    )
-
-
-def add_settings(parser: argparse.ArgumentParser, settings: type, skip: Sequence[str] = ()) -> None:
-    """One flag for each field of a settings dataclass, under its field name."""
-    for item in fields(settings):
-        if item.name in skip:
-            continue
-        meta, flag = item.metadata, "--" + item.name.replace("_", "-")
-        assert item.default is not MISSING
-        if isinstance(item.default, bool):
-            parser.add_argument(
-                flag,
-                action=argparse.BooleanOptionalAction,
-                default=item.default,
-                help=f"{meta['help']} (default: {'on' if item.default else 'off'})",
-            )
-            continue
-        unit = f" {meta['unit']}" if meta["unit"] else ""
-        shown = f"{item.default:g}" if isinstance(item.default, float) else str(item.default)
-        choices = "".join(f"; {name}: {tip}" for name, tip in (meta["choices"] or {}).items())
-        parser.add_argument(
-            flag,
-            type=type(item.default),
-            default=item.default,
-            choices=list(meta["choices"]) if meta["choices"] else None,
-            metavar=None if meta["choices"] else meta["unit"].upper().replace("/", "_PER_") or "N",
-            help=f"{meta['help']}{choices} (default: {shown}{unit})".replace("%", "%%"),
-        )
-
-
-def read_settings(options: argparse.Namespace, settings: type, **fixed: Any) -> Any:
-    """The checked settings dataclass that the flags say, with `fixed` fields from elsewhere."""
-    names = [item.name for item in fields(settings) if item.name not in fixed]
-    made = settings(**{name: getattr(options, name) for name in names}, **fixed)
-    check(made)
-    return made
-
-
-def check_outputs(options: argparse.Namespace) -> None:
-    """Raise InputError, before any work, where what a verb is to write cannot be written or is one of its inputs."""
-    outputs = [options.output, *getattr(options, "export", ())] if options.writes else []
-    if outputs and Path(outputs[0]).suffix.lower() != options.writes:
-        raise InputError(
-            f"{outputs[0]}: cannot write this kind of file; let its name end in {options.writes}"
-        )
-    plot = getattr(options, "plot", None)
-    if plot is not None:
-        if Path(plot).suffix.lower() != ".png":
-            raise InputError(f"{plot}: figures are PNG; let its name end in .png")
-        outputs.append(plot)
-    if options.json not in (None, "-"):
-        outputs.append(options.json)
-    inputs = {Path(path).resolve() for path in _inputs(options)}
-    targets: set[Path] = set()
-    for path in outputs:
-        target = check_target(path)
-        if target in inputs:
-            raise InputError(f"{path}: is one of the files to read; write to another one")
-        if target in targets:
-            raise InputError(f"{path}: is to be written twice; give each output a name of its own")
-        targets.add(target)
-
-
-def _inputs(options: argparse.Namespace) -> list[str]:
-    """Every file that a verb is to read."""
-    paths: list[str] = []
-    for name in _INPUTS:
-        value = getattr(options, name, None) or []
-        paths += [value] if isinstance(value, str) else value
-    # of FILE:OBJECT the file, too
-    return paths + [path.rpartition(":")[0] for path in paths if ":" in path]
 
 
 def each(paths: Sequence[str], read: Callable[[str], Any]) -> list[Any]:
@@ -186,14 +79,21 @@ def say(options: argparse.Namespace, text: str) -> None:
         print(text)
 
 
+@contextlib.contextmanager
+def needing(library: str, otherwise: str) -> Generator[None]:
+    """For imports: InputError that says `otherwise` where a library that they need is not there."""
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        if (error.name or "").partition(".")[0] != library:
+            raise
+        raise InputError(otherwise) from error
+
+
 def drawing() -> Any:
     """The module `figures`; InputError where matplotlib is missing."""
-    try:
+    with needing("matplotlib", NO_FIGURES):
         return importlib.import_module(".figures", __package__)
-    except ModuleNotFoundError as error:
-        if (error.name or "").split(".")[0] != "matplotlib":
-            raise
-        raise InputError(NO_FIGURES) from error
 
 
 def load_takes(paths: Sequence[str], fps: float | None = None) -> list[Any]:
@@ -207,6 +107,19 @@ def load_takes(paths: Sequence[str], fps: float | None = None) -> list[Any]:
     return takes
 
 
+def read_report(path: str) -> Report:
+    """A report of evaluate or bake; InputError where the file is none."""
+    try:
+        report = json.loads(Path(path).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror or error}); check its name") from error
+    except ValueError as error:
+        raise InputError(f"{path}: is no JSON ({error}); give a report of evaluate or bake") from error
+    if not isinstance(report, dict) or not isinstance(report.get("metrics"), dict):
+        raise InputError(f"{path}: has no metrics; give a report of evaluate or bake")
+    return report
+
+
 def load_databases(paths: Sequence[str]) -> list[Any]:
     """Motion databases, all faults told together."""
     from ..core.database.sidecar import load_database
@@ -216,9 +129,10 @@ def load_databases(paths: Sequence[str]) -> list[Any]:
 
 def choose_predictor(name: str | None) -> Callable[[Any], Any]:
     """The function from recording to body orientation that `--predictor` names; what ships by default."""
-    from ..nn.predictor import hmd_forward, load_predictor, predict, shipped_predictor
+    from ..core.recording.orientation import HEADSET
+    from ..nn.predictor import headset_forward, load_predictor, predict, shipped_predictor
 
-    if name == "hmd":
-        return hmd_forward
+    if name == HEADSET:
+        return headset_forward
     predictor = load_predictor(name) if name else shipped_predictor()
     return lambda recording: predict(predictor, recording)

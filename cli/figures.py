@@ -14,13 +14,11 @@ from matplotlib import pyplot
 from matplotlib.figure import Figure
 
 from ..core.evaluation.study import Plot
-from ..nn.evaluate import HEURISTIC, HMD_FORWARD
+from ..core.recording.orientation import HEADSET
+from ..nn.evaluate import HEURISTIC
 
 COLOURS = ("#1b6ca8", "#d1495b", "#3a9d5d", "#e3a008", "#7a5195", "#555555")
-_UNTRAINED = {
-    HMD_FORWARD: ("headset's forward", "#8c8c8c"),
-    HEURISTIC: ("hands-and-head heuristic", "#c3b59b"),
-}
+_UNTRAINED = {HEADSET: "#8c8c8c", HEURISTIC: "#c3b59b"}
 _OVER_TIME = (
     ("matched_root_error_cm", "root error of the matched motion, cm"),
     ("root_error_cm", "root error of the avatar, cm"),
@@ -90,15 +88,14 @@ def draw_series(entry: dict[str, Any]) -> bytes:
 def draw_predictors(report: dict[str, Any]) -> bytes:
     """Errors of predictors, from a report of `evaluate_predictors`: over time, and how often they are small."""
     rows = report["predictors"]
-    named = {name: _UNTRAINED.get(name, (name, ""))[0] for name in rows}
-    labels = {name: f"{label}: mean {rows[name]['mean']:.1f}°" for name, label in named.items()}
+    labels = {name: f"{name}: mean {row['mean']:.1f}°" for name, row in rows.items()}
     columns = max(1, min(3, 138 // (max(map(len, labels.values())) + 8)))
     height = 4.4 + 0.22 * -(-len(rows) // columns)
     figure, (left, right) = pyplot.subplots(1, 2, figsize=(11.0, height), layout="constrained")
     minutes = sum(take["seconds"] for take in report["takes"]) / 60.0
     colours = cycle(COLOURS[:5])
     for name, row in rows.items():
-        colour = _UNTRAINED[name][1] if name in _UNTRAINED else next(colours)
+        colour = _UNTRAINED[name] if name in _UNTRAINED else next(colours)
         style = {"color": colour, "linewidth": 1.5 if name in _UNTRAINED else 2.0}
         left.plot(*_minutes(row, minutes), marker="o", markersize=4, label=labels[name], **style)
         errors, shares = row["percentiles"], np.arange(101.0)

@@ -10,19 +10,21 @@ from numpy.typing import NDArray
 
 from ..core.database.virtual_root import virtual_root
 from ..core.maths import angles
+from ..core.measure.measures import yaw_errors
 from ..core.mocap.take import Take
-from ..core.recording.orientation import Orientation
+from ..core.recording.orientation import HEADSET, Orientation
 from ..core.recording.recording import Recording
 from ..core.recording.simulate import lose_trackers, simulate_recording
 from ..core.recording.targets import joint_targets
 from .inputs import headings
-from .predictor import hmd_forward, predict
+from .predictor import headset_forward, predict
 from .weights import Predictor
 
 Array = NDArray[np.floating[Any]]
 
-HMD_FORWARD = "hmd-forward"
 HEURISTIC = "hands-and-head"
+UNTRAINED = (HEADSET, HEURISTIC)
+"""Names in reports that no trained predictor may have."""
 POOL_RATE = 30.0
 """Errors of a second that count where takes are pooled, whatever their frame rate."""
 
@@ -44,16 +46,12 @@ def hands_and_head(recording: Recording) -> Orientation:
     return Orientation(np.unwrap(angles.yaw_of(head + np.where(agrees, ahead, 0.0))), None)
 
 
-def yaw_errors(yaws: Array, truth: Array) -> Array:
-    """Absolute angles `(T,)` in degrees between two series of yaws in radians."""
-    return np.degrees(np.abs(angles.wrap(yaws - truth)))
-
-
-def summary(errors: Array, fps: float) -> dict[str, Any]:
-    """Mean, deviation, 95th percentile, and the mean of each minute, of errors in degrees.
+def summary_deg(errors: Array, fps: float) -> dict[str, Any]:
+    """Mean, deviation, 95th percentile, and the mean of each minute, in degrees, of errors `(T,)` in radians.
 
     The last minute may be a shorter one.
     """
+    errors = np.degrees(errors)
     minute = max(1, round(60.0 * fps))
     return {
         "mean": float(np.mean(errors)),
@@ -81,7 +79,7 @@ def evaluate_predictors(
         the 100th; `doubt` is the mean deviation that the predictor itself expects, None where it has no notion of it.
     """
     ways: dict[str, Callable[[Recording], Orientation]] = {
-        HMD_FORWARD: hmd_forward,
+        HEADSET: headset_forward,
         HEURISTIC: hands_and_head,
     }
     for name, predictor in predictors.items():
@@ -97,24 +95,28 @@ def evaluate_predictors(
         for name, way in ways.items():
             found = way(recording)
             errors = yaw_errors(found.yaws, truth)
-            row[name] = summary(errors, motion.fps)
+            row[name] = summary_deg(errors, motion.fps)
             # every take at the same rate, so that a fast camera does not count double
             frames = np.arange(0.0, len(errors), motion.fps / POOL_RATE).astype(np.intp)
             pooled[name].append(errors[frames])
             if found.doubt is not None:
-                doubts[name].append(np.degrees(found.doubt[frames]))
+                doubts[name].append(found.doubt[frames])
         table.append({"take": take.name, "seconds": len(motion) / motion.fps, "predictors": row})
     causal = {name: predictor.causal for name, predictor in predictors.items()}
-    overall: dict[str, Any] = {}
-    for name, parts in pooled.items():
-        errors = np.concatenate(parts)
-        overall[name] = {
-            **summary(errors, POOL_RATE),
-            "percentiles": np.percentile(errors, np.arange(101)).tolist(),
-            "causal": causal.get(name, True),
-            "doubt": float(np.mean(np.concatenate(doubts[name]))) if doubts[name] else None,
-        }
+    overall = {
+        name: {**_pooled_deg(pooled[name], doubts[name]), "causal": causal.get(name, True)} for name in ways
+    }
     return {"predictors": overall, "takes": table}
+
+
+def _pooled_deg(errors: list[Array], doubts: list[Array]) -> dict[str, Any]:
+    """Figures in degrees of takes that follow one another, from errors and doubts `(T,)` in radians of each."""
+    pooled = np.concatenate(errors)
+    return {
+        **summary_deg(pooled, POOL_RATE),
+        "percentiles": np.percentile(np.degrees(pooled), np.arange(101)).tolist(),
+        "doubt": float(np.degrees(np.mean(np.concatenate(doubts)))) if doubts else None,
+    }
 
 
 def errors_in_words(report: Mapping[str, Any]) -> str:

@@ -24,7 +24,7 @@ from .inputs import (
     yaw_to_sixd,
 )
 from .weights import Predictor, read_predictor
-from .windows import FACING, Layout, mirror_inputs, stream, take_windows, window_inputs
+from .windows import FACING, WindowLayout, mirror_inputs, stream, take_windows, window_inputs
 
 Array = NDArray[np.floating[Any]]
 
@@ -51,7 +51,7 @@ def shipped_predictors() -> dict[str, Predictor]:
     return {path.stem: read_predictor(path) for path in sorted(_FOLDER.glob("*.npz"))}
 
 
-def hmd_forward(recording: Recording) -> Orientation:
+def headset_forward(recording: Recording) -> Orientation:
     """The yaw of the headset's forward projected on the ground, which knows of no doubt."""
     _, rotations = joint_targets(recording)
     return Orientation(np.unwrap(headings(rotations)), None)
@@ -114,7 +114,9 @@ def run_recurrent(
     return np.unwrap(head + sixd_to_yaw(answers.astype(np.float64)))
 
 
-def run_windows(predictor: Predictor, layout: Layout, rows: NDArray[np.float32], fps: float) -> Orientation:
+def run_windows(
+    predictor: Predictor, layout: WindowLayout, rows: NDArray[np.float32], fps: float
+) -> Orientation:
     """A window network's answers for every frame of a stream `(T, 31)` (see `windows.stream`).
 
     Each answer is a vector: its direction the yaw, its length, at most about 1, the certainty. Networks vote
@@ -144,7 +146,7 @@ def run_windows(predictor: Predictor, layout: Layout, rows: NDArray[np.float32],
 
 
 def answer_windows(
-    predictor: Predictor, layout: Layout, windows: NDArray[np.float32], frame_yaws: Array
+    predictor: Predictor, layout: WindowLayout, windows: NDArray[np.float32], frame_yaws: Array
 ) -> Array:
     """The mean answer `(N, 2)`, ground vectors in axes turned to `frame_yaws`, of the predictor's networks.
 

@@ -19,7 +19,7 @@ from ..core.errors import InputError
 from ..core.files import write_atomically
 from .inputs import INPUTS, Scaler
 from .network import Network
-from .windows import Layout
+from .windows import WindowLayout
 
 Array = NDArray[np.floating[Any]]
 
@@ -34,7 +34,7 @@ class Predictor:
     name: str
     networks: tuple[Network, ...]
     scaler: Scaler
-    layout: Layout | None
+    layout: WindowLayout | None
     """The window around each moment; None for the paper's network, which feeds on its own last answer."""
     smoothing: float
     """Seconds: deviation of the bell that smooths answers without lag, or time constant of the causal
@@ -185,7 +185,7 @@ def _are_sizes(sizes: Any) -> bool:
         return False
 
 
-def _layout(arrays: Mapping[str, NDArray[Any]], header: Mapping[str, Any], path: str) -> Layout:
+def _layout(arrays: Mapping[str, NDArray[Any]], header: Mapping[str, Any], path: str) -> WindowLayout:
     offsets = arrays.get("offsets")
     if offsets is None or offsets.ndim != 1 or not 0 < len(offsets) < 1000 or offsets.dtype.kind != "f":
         raise _damaged(path, "its window is missing")
@@ -193,7 +193,7 @@ def _layout(arrays: Mapping[str, NDArray[Any]], header: Mapping[str, Any], path:
         raise _damaged(path, "its window does not run through the moment itself")
     if header["rotations_every"] < 1:
         raise _damaged(path, "its description is incomplete")
-    return Layout(offsets.astype(np.float64), header["rotations_every"])
+    return WindowLayout(offsets.astype(np.float64), header["rotations_every"])
 
 
 def _array(arrays: Mapping[str, NDArray[Any]], key: str, shape: tuple[int, ...], path: str) -> Array:

@@ -22,7 +22,7 @@ POSITIONS, ROTATIONS, FACING, TRACKED = slice(0, 9), slice(9, 27), slice(27, 29)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Layout:
+class WindowLayout:
     """When around the moment in question the window looks."""
 
     offsets: Array
@@ -60,6 +60,17 @@ class Layout:
         return tuple(slice(int(a), int(b)) for a, b in itertools.pairwise(ends))
 
 
+LOOK_AHEAD = WindowLayout(np.round(np.arange(-10, 11) * 0.1, 3), 2)
+"""One second to both sides in steps of 0.1 s, rotations every 0.2 s."""
+CAUSAL = WindowLayout(
+    -np.array(
+        [3.0, 2.5, 2.1, 1.8, 1.5, 1.25, 1.05, 0.9, 0.75, 0.6, 0.5, 0.4, 0.3, 0.2, 0.15, 0.1, 0.05, 0.0]
+    ),
+    2,
+)
+"""The last three seconds, denser towards the moment itself."""
+
+
 def stream(
     positions: Array, rotations: Array, valid: NDArray[np.bool_], head_height: float
 ) -> NDArray[np.float32]:
@@ -86,7 +97,7 @@ def stream(
 
 
 def take_windows(
-    stream: NDArray[np.float32], times: Array, fps: float, layout: Layout
+    stream: NDArray[np.float32], times: Array, fps: float, layout: WindowLayout
 ) -> NDArray[np.float32]:
     """Rows `(N, S, 31)` at `times + offsets`, linear between frames and held at both ends.
 
@@ -108,7 +119,7 @@ def take_windows(
     return (stream[low] + (stream[high] - stream[low]) * share).astype(np.float32, copy=False)
 
 
-def window_inputs(windows: Array, frame_yaws: Array, layout: Layout) -> NDArray[np.float32]:
+def window_inputs(windows: Array, frame_yaws: Array, layout: WindowLayout) -> NDArray[np.float32]:
     """Input vectors `(N, layout.inputs)` of windows `(N, S, 31)` in axes turned to `frame_yaws` `(N,)`
     radians."""
     count, samples = windows.shape[:2]
@@ -133,14 +144,14 @@ def window_inputs(windows: Array, frame_yaws: Array, layout: Layout) -> NDArray[
     return np.concatenate([part.reshape(count, -1) for part in parts], axis=-1)
 
 
-def mirror_inputs(inputs: Array, layout: Layout) -> Array:
+def mirror_inputs(inputs: Array, layout: WindowLayout) -> Array:
     """Input vectors `(N, layout.inputs)` of the mirror images of the same windows: left and right change
     places."""
     order, signs = _mirror_map(layout)
     return inputs[:, order] * signs
 
 
-def _mirror_map(layout: Layout) -> tuple[NDArray[np.intp], NDArray[np.float32]]:
+def _mirror_map(layout: WindowLayout) -> tuple[NDArray[np.intp], NDArray[np.float32]]:
     """Where each mirrored input comes from, and its sign."""
     samples, turns = len(layout.offsets), len(layout.turning)
     across = np.array([-1.0, 1.0, 1.0])

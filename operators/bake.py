@@ -178,7 +178,7 @@ def _bake(source: Source):
 
 def _predict(chosen: str):
     if chosen == "HEADSET":
-        return predictor.hmd_forward
+        return predictor.headset_forward
     made = predictor.shipped_predictor() if chosen == "SHIPPED" else predictor.load_predictor(chosen)
     return lambda recording: predictor.predict(made, recording)
 

@@ -8,8 +8,8 @@ from bpy.props import StringProperty
 from ..bridge.lookup import find_scene
 from ..bridge.settings import read_settings
 from ..core.errors import InputError
-from ..nn.checkpoint import checkpoint_path
 from ..nn.settings import TrainSettings
+from ..nn.train.checkpoint import checkpoint_path
 from . import files, training
 from .job_operator import JobOperator
 
@@ -76,7 +76,7 @@ def in_words(report: dict) -> str:
     """What came of a training."""
     return (
         f"{report['held_out_error_deg']:.1f}° mean error on takes held out, "
-        f"the headset's forward {report['hmd_forward_error_deg']:.1f}°"
+        f"the headset's forward {report['headset_forward_error_deg']:.1f}°"
     )
 
 

@@ -19,8 +19,8 @@ import bpy
 from ..core.errors import InputError
 from ..core.files import remove_parts
 from ..core.jobs import Job
-from ..nn.checkpoint import checkpoint_path
 from ..nn.settings import TrainSettings
+from ..nn.train.checkpoint import checkpoint_path
 
 PACKAGE_FOLDER = Path(__file__).parents[1]
 ADD_ON = __package__.rpartition(".")[0]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import hashlib
 import importlib.util
 import json
@@ -14,11 +15,23 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from footwork.cli import main, make_parser
+from footwork.cli import main
+from footwork.cli.common import needing
+from footwork.cli.parser import VERBS, VerbParser, make_parser
+from footwork.cli.verb import Verb
 from footwork.core import presets
+from footwork.core.errors import InputError
 from footwork.core.settings import BakeSettings
+from footwork.nn.predictor import shipped_predictor
+from footwork.nn.weights import save_predictor
 
 WITH_BPY = importlib.util.find_spec("bpy") is not None
+ROOT = Path(__file__).parents[1]
+DESIGNED = (
+    *("inspect", "build-database", "database-info", "train-predictor", "evaluate-predictor"),
+    *("simulate-recording", "bake", "evaluate", "compare-reports"),
+)
+"""The verbs that scripts rely on."""
 
 
 @pytest.fixture(scope="module")
@@ -47,6 +60,86 @@ def visit(demo: Path) -> Path:
     target = demo / "visit.csv"
     assert main(["simulate-recording", str(demo / "visit.bvh"), "-o", str(target)]) == 0
     return target
+
+
+def arguments_of(verb: Verb) -> list[argparse.Action]:
+    parser = VerbParser(verb=verb, prog=f"footwork {verb.name}")
+    parser.add_arguments()
+    return parser._actions
+
+
+def test_the_table_has_every_verb_and_the_documents_name_them_all() -> None:
+    names = [verb.name for verb in VERBS]
+    assert names == list(DESIGNED)
+    pages = [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]
+    shown = {
+        name for page in pages for name in re.findall(r"\bfootwork ([a-z]+(?:-[a-z]+)*)", page.read_text())
+    }
+    assert set(names) <= shown
+    commands = re.findall(
+        r"^    footwork ([a-z-]+)", "\n".join(page.read_text() for page in pages), re.MULTILINE
+    )
+    assert set(commands) <= set(names)
+
+
+@pytest.mark.parametrize("verb", VERBS, ids=lambda verb: verb.name)
+def test_every_verb_and_every_argument_has_help(verb: Verb, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([verb.name, "--help"]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    assert text.startswith(f"usage: footwork {verb.name} ")
+    assert f"{verb.help[1:]}." in text and verb.help[0].islower()
+    for argument in arguments_of(verb):
+        assert argument.help, argument.dest
+        assert argument.option_strings == [] or argument.option_strings[-1] in text
+
+
+@pytest.mark.parametrize("verb", VERBS, ids=lambda verb: verb.name)
+def test_what_a_verb_reads_and_writes_are_arguments_of_it(verb: Verb) -> None:
+    names = {argument.dest for argument in arguments_of(verb)}
+    assert verb.reads and set(verb.reads) <= names
+    assert not verb.writes or "output" in names
+
+
+def test_the_list_of_verbs_needs_nothing_heavy() -> None:
+    script = "import sys; from footwork.cli import main; code = main(['--help']); print(*sys.modules); sys.exit(code)"
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, timeout=120, check=True
+    )
+    help_text, _, modules = done.stdout.strip().rpartition("\n")
+    assert all(name in help_text for name in DESIGNED)
+    assert not {"numpy", "bpy", "torch", "matplotlib"} & set(modules.split())
+
+
+def test_a_missing_library_is_told_and_no_other_fault_hidden() -> None:
+    for name in ("bpy", "bpy.types"):
+        with pytest.raises(InputError, match="get it"), needing("bpy", "get it"):
+            raise ModuleNotFoundError(name=name)
+    for fault in (ModuleNotFoundError(name="bpy_extras"), ModuleNotFoundError(), ImportError(name="bpy")):
+        with pytest.raises(type(fault)) as caught, needing("bpy", "get it"):
+            raise fault
+        assert caught.value is fault
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["bake", "r.csv", "-o", "{folder}/o.blend"], "bake writes Blender files: run it in Blender"),
+        (["evaluate", "t.bvh", "--in-blender"], "--in-blender measures in Blender: run it there"),
+    ],
+)
+def test_what_needs_blender_says_so(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    arguments: list[str],
+    said: str,
+) -> None:
+    monkeypatch.setitem(sys.modules, "bpy", None)
+    for module in [name for name in sys.modules if name.startswith("footwork.bridge")]:
+        monkeypatch.delitem(sys.modules, module)
+    assert main([*(word.format(folder=tmp_path) for word in arguments), "--database", "d.npz"]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"footwork {arguments[0]}: {said}") and "install the Python module bpy" in line
 
 
 def test_inspect_tells_what_was_found(demo: Path, visit: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -239,6 +332,17 @@ def test_bake_stands_on_the_ground_of_a_blend(tmp_path: Path, walk: Path, visit:
     assert 0.7 < float(toe) < 0.75 and stage == "True"
 
 
+def test_a_predictor_cannot_pass_for_the_headset(
+    tmp_path: Path, demo: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "headset.npz"
+    save_predictor(path, shipped_predictor("causal"))
+    assert main(["evaluate-predictor", str(demo / "turn.bvh"), "--predictor", str(path), "--json", "-"]) == 0
+    rows = json.loads(capsys.readouterr().out)["predictors"]
+    assert list(rows) == ["headset", "hands-and-head", str(path)]
+    assert rows["headset"]["doubt"] is None and rows[str(path)]["doubt"] > 0.0
+
+
 def test_same_inputs_give_the_same_bytes(tmp_path: Path, demo: Path) -> None:
     targets = [tmp_path / "a" / "db.npz", tmp_path / "b" / "db.npz"]
     for target in targets:
@@ -328,7 +432,7 @@ def test_a_cancelled_training_says_how_to_go_on(
 
     def last_line(at: int) -> str:
         with monkeypatch.context() as patch:
-            patch.setattr("footwork.cli.run", lambda job: press_ctrl_c(job, at))
+            patch.setattr("footwork.cli.predictor.run", lambda job: press_ctrl_c(job, at))
             assert main([*command, "--keep-worse"]) == 2
         return capsys.readouterr().err.splitlines()[-1]
 

@@ -14,7 +14,7 @@ from footwork.core.jobs import run
 from footwork.core.mocap.take import Take
 from footwork.core.mocap.takes import load_take
 from footwork.nn.settings import TrainSettings
-from footwork.nn.train import train_predictor
+from footwork.nn.train.job import train_predictor
 
 CMU = "CMU: free for any use, credit mocap.cs.cmu.edu"
 FUBOT = "MIT, (c) 2021 Tomiha (FuBoT-VR)"

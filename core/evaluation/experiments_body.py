@@ -14,6 +14,7 @@ from ..database.virtual_root import virtual_root
 from ..errors import InputError
 from ..jobs import Job
 from ..measure.measures import counted, summary, yaw_errors
+from ..recording.orientation import HEADSET
 from ..recording.simulate import simulate_recording
 from ..settings import BakeSettings
 from .study import (
@@ -33,8 +34,7 @@ from .study import (
 
 Array = NDArray[np.floating[Any]]
 
-HMD = "HMD forward"
-_PAPER_DEG = {HMD: "14.5 ± 18.9", "r = 50": "5.4 ± 7.7", "r = 1": "15.0 ± 25.7"}
+_PAPER_DEG = {HEADSET: "14.5 ± 18.9", "r = 50": "5.4 ± 7.7", "r = 1": "15.0 ± 25.7"}
 _BENT = 0.85
 """Headset heights over standing eye height below which legs count as bent."""
 
@@ -88,13 +88,13 @@ def orientation(study: Study) -> Job[Experiment]:
 
 def _orientation_relations(means: Mapping[str, float]) -> list[Relation]:
     claims = [
-        ("r = 50", HMD, "r = 50 errs less than the headset's forward"),
+        ("r = 50", HEADSET, "r = 50 errs less than the headset's forward"),
         ("r = 50", "r = 1", "r = 50 errs less than r = 1"),
     ]
     claims += [
         (label, "r = 50", f"{label} errs less than the paper's network")
         for label in means
-        if label != HMD and not label.startswith("r = ")
+        if label != HEADSET and not label.startswith("r = ")
     ]
     return [
         in_order([a, b], [means[a], means[b]], claim, "°")

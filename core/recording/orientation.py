@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 from .recording import Array
 
+HEADSET = "headset"
+"""What reports and options call the headset's forward, taken for where the body faces."""
 DOUBTFUL = np.radians(25.0)
 """Expected deviation from which on an answer is to be looked at; with both controllers lost it is 27 to 31 degrees,
 with one 15, with all there 10."""

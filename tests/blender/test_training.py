@@ -34,7 +34,7 @@ for percent, message in ((0, "reading takes"), (40, "loss 0.5000, held out 9.00 
 pathlib.Path(arguments[arguments.index("-o") + 1] + ".arguments").write_text(json.dumps(arguments))
 {end}
 report = arguments[arguments.index("--json") + 1]
-pathlib.Path(report).write_text(json.dumps({{"held_out_error_deg": 6.5, "hmd_forward_error_deg": 14.25}}))
+pathlib.Path(report).write_text(json.dumps({{"held_out_error_deg": 6.5, "headset_forward_error_deg": 14.25}}))
 """
 
 

@@ -8,7 +8,7 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
-from footwork.cli.common import add_settings, read_settings
+from footwork.cli.options import add_settings, read_settings
 from footwork.core.body.edit import cut
 from footwork.core.body.toes import toe_positions
 from footwork.core.database.build import build_database

@@ -10,10 +10,17 @@ from dataclasses import fields
 import numpy as np
 import pytest
 from footwork.core.maths import quat
-from footwork.nn.augment import Augmentation
-from footwork.nn.layouts import CAUSAL, LOOK_AHEAD
-from footwork.nn.samples import Sample
-from footwork.nn.windows import Layout, mirror_inputs, stream, take_windows, window_inputs
+from footwork.nn.train.augment import Augmentation
+from footwork.nn.train.samples import Sample
+from footwork.nn.windows import (
+    CAUSAL,
+    LOOK_AHEAD,
+    WindowLayout,
+    mirror_inputs,
+    stream,
+    take_windows,
+    window_inputs,
+)
 
 pytestmark = pytest.mark.skipif(importlib.util.find_spec("torch") is None, reason="torch is not installed")
 
@@ -41,7 +48,7 @@ def samples(tumble) -> list[Sample]:
     return out
 
 
-def truths(samples: Sequence[Sample], layout: Layout) -> tuple[np.ndarray, np.ndarray]:
+def truths(samples: Sequence[Sample], layout: WindowLayout) -> tuple[np.ndarray, np.ndarray]:
     """Every window of every take by itself, in either axes, with its answer."""
     inputs: list[np.ndarray] = []
     answers: list[np.ndarray] = []
@@ -57,8 +64,10 @@ def truths(samples: Sequence[Sample], layout: Layout) -> tuple[np.ndarray, np.nd
 
 @pytest.mark.parametrize("layout", [LOOK_AHEAD, CAUSAL], ids=["look-ahead", "causal"])
 @pytest.mark.parametrize("weighted", [False, True])
-def test_every_window_is_one_of_a_single_take(samples: list[Sample], layout: Layout, weighted: bool) -> None:
-    from footwork.nn.train_window import WindowLearner
+def test_every_window_is_one_of_a_single_take(
+    samples: list[Sample], layout: WindowLayout, weighted: bool
+) -> None:
+    from footwork.nn.train.window import WindowLearner
 
     learner = WindowLearner(
         samples,
@@ -91,7 +100,7 @@ def test_every_window_is_one_of_a_single_take(samples: list[Sample], layout: Lay
 
 def test_windows_that_run_quicker_or_slower_stay_in_their_take(tumble) -> None:
     """Each take stands still at a place of its own, a hundred metres from the next: no window shows any way."""
-    from footwork.nn.train_window import WindowLearner
+    from footwork.nn.train.window import WindowLearner
 
     still = [
         Sample(

@@ -11,9 +11,9 @@ from footwork.core.errors import InputError
 from footwork.nn.inputs import Scaler
 from footwork.nn.network import Network
 from footwork.nn.weights import Predictor, read_predictor, save_predictor
-from footwork.nn.windows import Layout
+from footwork.nn.windows import WindowLayout
 
-LAYOUT = Layout(np.array([-0.2, -0.1, 0.0, 0.1, 0.2]), 2)
+LAYOUT = WindowLayout(np.array([-0.2, -0.1, 0.0, 0.1, 0.2]), 2)
 
 
 def _network(rng: np.random.Generator, *sizes: int) -> Network:
@@ -24,7 +24,7 @@ def _network(rng: np.random.Generator, *sizes: int) -> Network:
     )
 
 
-def _predictor(layout: Layout | None) -> Predictor:
+def _predictor(layout: WindowLayout | None) -> Predictor:
     rng = np.random.default_rng(1)
     inputs, outputs = (42, 6) if layout is None else (layout.inputs, 2)
     networks = tuple(_network(rng, inputs, 8, 8, outputs) for _ in range(1 if layout is None else 2))

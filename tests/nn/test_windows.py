@@ -5,10 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from footwork.core.maths import quat
-from footwork.nn.layouts import CAUSAL, LOOK_AHEAD
-from footwork.nn.windows import Layout, mirror_inputs, stream, take_windows, window_inputs
+from footwork.nn.windows import (
+    CAUSAL,
+    LOOK_AHEAD,
+    WindowLayout,
+    mirror_inputs,
+    stream,
+    take_windows,
+    window_inputs,
+)
 
-SMALL = Layout(np.array([-0.4, -0.2, -0.1, 0.0, 0.1, 0.2, 0.4]), 3)
+SMALL = WindowLayout(np.array([-0.4, -0.2, -0.1, 0.0, 0.1, 0.2, 0.4]), 3)
 
 
 def _body(frames: int = 120, seed: int = 2) -> tuple[np.ndarray, np.ndarray]:
@@ -63,7 +70,7 @@ def test_values_are_those_of_the_axes_of_the_headset():
 def test_samples_between_frames_are_linear_and_held_at_the_ends():
     rows = np.zeros((10, 31), np.float32)
     rows[:, 0] = np.arange(10) ** 2
-    layout = Layout(np.array([-0.05, 0.0, 0.05]), 1)
+    layout = WindowLayout(np.array([-0.05, 0.0, 0.05]), 1)
     found = take_windows(rows, np.array([0.0, 0.25, 0.9]), 10.0, layout)[..., 0]
     np.testing.assert_allclose(found, [[0, 0, 0.5], [4, 6.5, 9], [72.5, 81, 81]], atol=1e-4)
 

@@ -89,7 +89,7 @@ def test_orientation(study: Study) -> None:
     def off(degrees: float):
         return lambda recording: Orientation(truth(recording) + np.radians(degrees), None)
 
-    ways = {"HMD forward": off(20.0), "r = 50": off(-5.0), "r = 1": off(30.0), "ours": off(2.0)}
+    ways = {"headset": off(20.0), "r = 50": off(-5.0), "r = 1": off(30.0), "ours": off(2.0)}
     seen = {"ours": frozenset([study.takes[0].sha256])}
     experiment = make("orientation", replace(study, predictors=ways, trained_on=seen))
     np.testing.assert_allclose(column(experiment, "mean, °"), [20.0, 5.0, 30.0, 2.0], atol=1e-6)

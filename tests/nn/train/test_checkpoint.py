@@ -18,8 +18,12 @@ from footwork.core.errors import InputError
 from footwork.core.jobs import run
 from footwork.core.mocap.demo import demo_motion
 from footwork.core.mocap.take import Take
-from footwork.nn import train
-from footwork.nn.checkpoint import (
+from footwork.nn.inputs import Scaler
+from footwork.nn.network import Network
+from footwork.nn.settings import TrainSettings
+from footwork.nn.train import fit, learners
+from footwork.nn.train import job as training
+from footwork.nn.train.checkpoint import (
     Checkpoint,
     Progress,
     checkpoint_path,
@@ -27,10 +31,7 @@ from footwork.nn.checkpoint import (
     read_checkpoint,
     write_checkpoint,
 )
-from footwork.nn.inputs import Scaler
-from footwork.nn.network import Network
-from footwork.nn.settings import TrainSettings
-from footwork.nn.train import train_predictor
+from footwork.nn.train.job import train_predictor
 from footwork.nn.weights import read_predictor
 
 pytestmark = pytest.mark.skipif(importlib.util.find_spec("torch") is None, reason="torch is not installed")
@@ -53,7 +54,7 @@ def takes() -> list[Take]:
 @pytest.fixture(autouse=True)
 def few_measurements(monkeypatch) -> None:
     """So that some yields lie between them."""
-    monkeypatch.setattr(train, "MEASUREMENTS", 6)
+    monkeypatch.setattr(fit, "MEASUREMENTS", 6)
 
 
 def cut_short(job, start: str = "step 40 ") -> None:
@@ -119,7 +120,7 @@ def test_every_part_is_read_as_it_was_written(tmp_path) -> None:
     kept = Checkpoint(origin, progress, scaler, network(), network(), {"a": rng.random(3)})
     write_checkpoint(tmp_path / "c", kept)
     read = read_checkpoint(tmp_path / "c", origin)
-    for field in ("history", "step", "best_error", "waited", "losses"):
+    for field in ("history", "step", "best_error_deg", "waited", "losses"):
         assert getattr(read.progress, field) == getattr(progress, field)
     pairs = [(read.network, kept.network), (read.start, kept.start), (read.progress.best, progress.best)]
     for one, other in [*pairs, *zip(read.progress.found, progress.found, strict=True)]:
@@ -287,7 +288,7 @@ def test_no_pickle_is_ever_opened(output, takes, monkeypatch) -> None:
 
 def test_another_version_is_said(output, takes, monkeypatch) -> None:
     with monkeypatch.context() as patch:
-        patch.setattr(train, "PAPER_HIDDEN", (16, 32))
+        patch.setattr(learners, "PAPER_HIDDEN", (16, 32))
         assert "another version of Footwork" in fault(takes, PAPER, output)
     header = b'{"format": "footwork-training", "schema": 2}'
     rewritten(checkpoint_path(output), header=np.frombuffer(header, np.uint8))
@@ -306,8 +307,9 @@ def test_what_was_no_good_can_be_saved_or_trained_on(tmp_path, takes, monkeypatc
     """Each run has the whole time limit, on a clock that ticks when it is looked at."""
     path = tmp_path / "p.npz"
     clock = itertools.count()
-    monkeypatch.setattr(train, "time", SimpleNamespace(monotonic=lambda: next(clock)))
-    monkeypatch.setattr(train, "error_of_forward", lambda samples: 0.01)
+    for module in (fit, training):
+        monkeypatch.setattr(module, "time", SimpleNamespace(monotonic=lambda: next(clock)))
+    monkeypatch.setattr(training, "headset_forward_error_deg", lambda samples: 0.01)
     bad, steps = replace(PAPER, keep_worse=False, time_limit=40.0), [0]
     for resume in (False, True):
         with pytest.raises(InputError, match="with resume and keep-worse"):

@@ -12,14 +12,15 @@ from footwork.core.errors import InputError
 from footwork.core.jobs import run
 from footwork.core.mocap.demo import demo_motion
 from footwork.core.mocap.take import Take
-from footwork.nn import train
 from footwork.nn.inputs import INPUTS, headings, sixd_to_yaw, tracker_inputs, turn_sixd, yaw_to_sixd
 from footwork.nn.network import Network
 from footwork.nn.predictor import run_recurrent
-from footwork.nn.samples import Sample, samples_of
 from footwork.nn.settings import TrainSettings
-from footwork.nn.train import train_predictor
+from footwork.nn.train import job as training
+from footwork.nn.train.job import train_predictor
+from footwork.nn.train.samples import Sample, samples_of
 from footwork.nn.weights import read_predictor
+from footwork.nn.windows import LOOK_AHEAD
 
 needs_torch = pytest.mark.skipif(importlib.util.find_spec("torch") is None, reason="torch is not installed")
 
@@ -53,7 +54,7 @@ def test_samples_hold_the_trackers_and_the_true_yaw(takes, samples):
 @needs_torch
 def test_numpy_and_torch_forward_agree():
     import torch
-    from footwork.nn.train_torch import build_mlp, from_torch, load_weights
+    from footwork.nn.train.torch_networks import build_mlp, from_torch, load_weights
 
     torch.manual_seed(1)
     model = build_mlp(INPUTS, (32, 32), 6)
@@ -70,7 +71,7 @@ def test_numpy_and_torch_forward_agree():
 def test_r_steps_in_training_are_r_steps_in_use(samples):
     """Fifty predictions unrolled in torch equal the plain loop over the paper's inputs in numpy."""
     import torch
-    from footwork.nn.train_paper import RecurrentLearner
+    from footwork.nn.train.paper import RecurrentLearner
 
     learner = RecurrentLearner(
         samples, iterations=50, hidden=(32, 32), batch=64, learning_rate=3e-4, decay=0.035, seed=3
@@ -113,14 +114,14 @@ def test_the_loop_in_use_feeds_back_its_own_answer(samples):
 
 @needs_torch
 def test_no_stretch_crosses_from_one_take_into_another(samples):
-    from footwork.nn.train_paper import RecurrentLearner
-    from footwork.nn.train_window import WindowLearner
+    from footwork.nn.train.paper import RecurrentLearner
+    from footwork.nn.train.window import WindowLearner
 
     settings = {"batch": 64, "learning_rate": 1e-3, "decay": 0.0, "seed": 0}
     recurrent = RecurrentLearner(samples, iterations=50, hidden=(8,), **settings)
     owner = np.repeat(np.arange(len(samples)), [len(s) for s in samples])
     assert np.all(owner[recurrent.starts - 1] == owner[recurrent.starts + 49])
-    window = WindowLearner(samples, train.LOOK_AHEAD, steps=10, **settings)
+    window = WindowLearner(samples, LOOK_AHEAD, hidden=(8,), steps=10, **settings)
     np.testing.assert_array_equal(owner[window.first], owner)
     np.testing.assert_array_equal(owner[window.last], owner)
 
@@ -132,7 +133,7 @@ def test_a_short_training_learns_and_says_what_it_did(tmp_path, takes, kind):
     settings = TrainSettings(kind=kind, iterations=5, epochs=4 if kind == "paper" else 8, batch=128, seed=7)
     messages: list[tuple[float, str]] = []
     report = run(train_predictor(takes, settings, path), lambda *message: messages.append(message))
-    assert report["held_out_error_deg"] < report["hmd_forward_error_deg"]
+    assert report["held_out_error_deg"] < report["headset_forward_error_deg"]
     assert report["losses"][-1]["loss"] < 0.8 * report["losses"][0]["loss"]
     fractions = [fraction for fraction, _ in messages]
     assert fractions == sorted(fractions)
@@ -141,6 +142,8 @@ def test_a_short_training_learns_and_says_what_it_did(tmp_path, takes, kind):
     assert (predictor.name, predictor.causal) == ("p", kind != "look-ahead")
     origin = predictor.provenance
     assert origin["settings"]["seed"] == 7
+    for key in ("held_out_error_deg", "headset_forward_error_deg"):
+        assert origin[key] == report[key]
     assert [take["take"] for take in origin["takes"]] == [take.name for take in takes]
     assert set(origin["held_out"]) < {take.name for take in takes}
 
@@ -162,7 +165,7 @@ def test_same_seed_same_weights_and_resuming_goes_on(tmp_path, takes):
 def test_what_is_worse_than_the_headset_is_not_written(tmp_path, takes, monkeypatch):
     path = tmp_path / "p.npz"
     settings = TrainSettings(kind="paper", iterations=1, epochs=1, batch=4096)
-    monkeypatch.setattr(train, "error_of_forward", lambda samples: 0.01)
+    monkeypatch.setattr(training, "headset_forward_error_deg", lambda samples: 0.01)
     with pytest.raises(InputError, match="keep-worse"):
         run(train_predictor(takes, settings, path))
     assert not path.exists()

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..core.body.motion import Motion
-from ..core.mocap import checks
-from ..core.mocap.take import Take
+from ...core.body.motion import Motion
+from ...core.mocap import checks
+from ...core.mocap.take import Take
 
 SHORTEST_S = 2.0
 """Shorter stretches teach nothing about time."""

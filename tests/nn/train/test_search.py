@@ -13,11 +13,14 @@ from footwork.core.errors import InputError
 from footwork.core.jobs import Job, run
 from footwork.core.mocap.demo import demo_motion
 from footwork.core.mocap.take import Take
-from footwork.nn import search as searching
-from footwork.nn import train
 from footwork.nn.inputs import Scaler
-from footwork.nn.search import History, Search, Trained, check_search, search
 from footwork.nn.settings import TrainSettings
+from footwork.nn.train import search as searching
+from footwork.nn.train.held_out import held_out_error_deg
+from footwork.nn.train.job import train_predictor
+from footwork.nn.train.learners import make_learner
+from footwork.nn.train.samples import samples_of
+from footwork.nn.train.search import History, Search, Trained, check_search, search
 from footwork.nn.weights import Predictor, read_predictor
 
 HAS_OPTUNA = importlib.util.find_spec("optuna") is not None
@@ -86,7 +89,7 @@ def test_the_worse_half_is_pruned_and_the_best_of_the_rest_kept() -> None:
     assert [row["measurements"] for row in found.trials] == [end or 15 for end in ends]
     for row, curve, end in zip(found.trials, train.curves, ends, strict=True):
         assert row["held_out_error_deg"] == pytest.approx(curve[(end or 15) - 1], abs=1e-3)
-    best = int(np.argmin([trained.error for trained in train.learnt]))
+    best = int(np.argmin([trained.error_deg for trained in train.learnt]))
     assert found.best is train.learnt[best]
     assert found.settings == replace(train.asked[best], time_limit=TrainSettings().time_limit)
 
@@ -112,7 +115,7 @@ def test_a_pruned_trial_can_be_the_best() -> None:
         (10.0, True),
         (11.0, True),
     ]
-    assert found.best.error == 10.0
+    assert found.best.error_deg == 10.0
 
 
 @needs_optuna
@@ -156,7 +159,7 @@ def test_a_search_that_is_cancelled_ends_the_training() -> None:
 
 def test_without_optuna_one_line_says_how_to_get_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == "optuna" else object())
-    job = train.train_predictor([], TrainSettings(trials=2), tmp_path / "p.npz")
+    job = train_predictor([], TrainSettings(trials=2), tmp_path / "p.npz")
     with pytest.raises(InputError, match="pip install optuna") as caught:
         run(job)
     assert "\n" not in str(caught.value)
@@ -192,8 +195,8 @@ def takes() -> list[Take]:
     ],
 )
 def test_hidden_widths(takes: list[Take], kind: str, hidden: int, widths: tuple[int, ...]) -> None:
-    samples = train.samples_of(takes)[0]
-    learner, _ = train.make_learner(samples, TrainSettings(kind=kind, hidden=hidden), 0)
+    samples = samples_of(takes)[0]
+    learner, _ = make_learner(samples, TrainSettings(kind=kind, hidden=hidden), 0)
     assert learner.network().sizes[1:-1] == widths
 
 
@@ -210,7 +213,7 @@ def test_a_small_search_writes_what_its_best_trial_has_learnt(
     reports = []
     for path in paths:
         path.parent.mkdir()
-        reports.append(run(train.train_predictor(takes, settings, path)))
+        reports.append(run(train_predictor(takes, settings, path)))
     assert [file.name for file in tmp_path.rglob("*.*")] == ["p.npz", "p.npz"]
     one, other = (read_predictor(path) for path in paths)
     for a, b in zip(one.networks[0].weights, other.networks[0].weights, strict=True):
@@ -226,5 +229,5 @@ def test_a_small_search_writes_what_its_best_trial_has_learnt(
     assert one.networks[0].sizes[1] == best["hidden"]
     # the file holds what was measured
     (testing,) = [take for take in takes if take.name in one.provenance["held_out"]]
-    error = train.held_out_error(one, train.samples_of([testing])[0])
+    error = held_out_error_deg(one, samples_of([testing])[0])
     assert error == pytest.approx(best["held_out_error_deg"], abs=1e-2)

@@ -1,5 +1,8 @@
 """Networks between numpy and torch, and the state of their training."""
 
+# torch tells only part of its types, and types are checked without it, too
+# pyright: basic, reportMissingImports=false
+
 from __future__ import annotations
 
 import json
@@ -9,16 +12,14 @@ import numpy as np
 import torch
 from torch import nn
 
-from .network import Network
+from ..network import Network
 
 
-def build_mlp(inputs: int, hidden: Sequence[int], outputs: int, dropout: float = 0.0) -> nn.Sequential:
+def build_mlp(inputs: int, hidden: Sequence[int], outputs: int) -> nn.Sequential:
     """A multilayer perceptron with ReLUs after each hidden layer."""
     layers: list[nn.Module] = []
     for width in hidden:
         layers += [nn.Linear(inputs, width), nn.ReLU()]
-        if dropout > 0.0:
-            layers.append(nn.Dropout(dropout))
         inputs = width
     return nn.Sequential(*layers, nn.Linear(inputs, outputs))
 

@@ -12,10 +12,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
-from ..core.errors import InputError
-from ..core.jobs import Job, part
-from .settings import TrainSettings
-from .weights import Predictor
+from ...core.errors import InputError
+from ...core.jobs import Job, part
+from ..settings import TrainSettings
+from ..weights import Predictor
 
 GRACE, REDUCTION = 5, 2
 """Measurements before the first halving, and one in how many goes on after each."""
@@ -33,8 +33,8 @@ class Trained:
     """What one trial has learnt."""
 
     predictor: Predictor
-    error: float
-    """On held-out takes, degrees."""
+    error_deg: float
+    """On held-out takes."""
     history: History
     """Its measurements."""
 
@@ -102,8 +102,8 @@ def search(settings: TrainSettings, train: Train) -> Job[Search]:
         if ended.pruned:
             study.tell(trial, state=optuna.trial.TrialState.PRUNED)
         else:
-            study.tell(trial, trained.error)
-        if best is None or trained.error < best[0].error:
+            study.tell(trial, trained.error_deg)
+        if best is None or trained.error_deg < best[0].error_deg:
             best = trained, drawn
     assert best is not None, "there is at least one trial"
     return Search(*best, rows)
@@ -135,7 +135,7 @@ def _draw(trial: Any, settings: TrainSettings) -> TrainSettings:
 def _row(drawn: TrainSettings, trained: Trained, pruned: bool) -> dict[str, Any]:
     return {
         **{name: getattr(drawn, name) for name in ("hidden", "learning_rate", "decay")},
-        "held_out_error_deg": round(trained.error, 3),
+        "held_out_error_deg": round(trained.error_deg, 3),
         "measurements": len(trained.history),
         "pruned": pruned,
     }

@@ -18,13 +18,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.errors import InputError
-from ..core.files import write_atomically
-from ..core.mocap.take import Take
-from .inputs import Scaler
-from .network import Network
-from .settings import TrainSettings
-from .weights import read_arrays
+from ...core.errors import InputError
+from ...core.files import write_atomically
+from ...core.mocap.take import Take
+from ..inputs import Scaler
+from ..network import Network
+from ..settings import TrainSettings
+from ..weights import read_arrays
 
 FORMAT = "footwork-training"
 SCHEMA = 1
@@ -46,8 +46,7 @@ class Progress:
     """All measurements."""
     step: int = 0
     best: Network | None = None
-    best_error: float = math.inf
-    """Degrees."""
+    best_error_deg: float = math.inf
     waited: int = 0
     """Measurements since the held-out error was last better."""
     losses: list[float] = field(default_factory=lambda: list[float]())
@@ -112,7 +111,8 @@ def write_checkpoint(path: str | os.PathLike[str], checkpoint: Checkpoint) -> No
         "sizes": checkpoint.network.sizes,
         "voters_done": len(progress.found),
         "started": checkpoint.start is not None,
-        **{key: getattr(progress, key) for key in ("history", "step", "best_error", "waited", "losses")},
+        "best_error": progress.best_error_deg,
+        **{key: getattr(progress, key) for key in ("history", "step", "waited", "losses")},
     }
     text = np.frombuffer(json.dumps(header).encode(), dtype=np.uint8)
     write_atomically(path, lambda file: np.savez(file, header=text, **arrays))
@@ -176,7 +176,7 @@ def _from_arrays(header: Any, arrays: State) -> Checkpoint:
         history=[{str(key): float(value) for key, value in entry.items()} for entry in header["history"]],
         step=int(header["step"]),
         best=_network(arrays, "best", sizes),
-        best_error=float(header["best_error"]),
+        best_error_deg=float(header["best_error"]),
         waited=int(header["waited"]),
         losses=[float(loss) for loss in header["losses"]],
     )

@@ -1,6 +1,9 @@
 """Training of window networks in torch: many altered windows of the takes, each with its true body
 direction."""
 
+# torch tells only part of its types, and types are checked without it, too
+# pyright: basic, reportMissingImports=false
+
 from __future__ import annotations
 
 import math
@@ -9,16 +12,15 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import torch
 
-from ..core.maths import angles
+from ...core.maths import angles
+from ..inputs import RATE, Scaler, group_scaler
+from ..network import Network
+from ..weights import Predictor
+from ..windows import FACING, WindowLayout, mirror_inputs, stream, window_inputs
 from .augment import Augmentation, augment, mix_hands
-from .inputs import RATE, Scaler, group_scaler
-from .network import Network
 from .samples import Sample
-from .train_torch import build_mlp, from_torch, load_weights, restore_training, training_state
-from .weights import Predictor
-from .windows import FACING, Layout, mirror_inputs, stream, window_inputs
+from .torch_networks import build_mlp, from_torch, load_weights, restore_training, training_state
 
-HIDDEN = (256, 128)
 SMOOTHING = 0.1
 """Seconds, for windows that see the future; smoothing the past costs more in lag than it gains."""
 AUGMENTATION = Augmentation()
@@ -30,28 +32,24 @@ class WindowLearner:
     def __init__(
         self,
         samples: Sequence[Sample],
-        layout: Layout,
+        layout: WindowLayout,
         *,
         batch: int,
         learning_rate: float,
         decay: float,
         steps: int,
         seed: int,
-        hidden: Sequence[int] = HIDDEN,
-        augmentation: Augmentation = AUGMENTATION,
-        dropout: float = 0.0,
+        hidden: Sequence[int],
         start: Predictor | None = None,
         scaler: Scaler | None = None,
-        weights: Sequence[float] | None = None,
     ) -> None:
         torch.manual_seed(seed)
         self.rng = np.random.default_rng(seed)
         self.layout, self.batch = layout, batch
         self.smoothing = 0.0 if layout.causal else SMOOTHING
-        self.augmentation = augmentation
-        valid = [np.ones((len(sample), 3), dtype=bool) for sample in samples]
+        tracked = [np.ones((len(sample), 3), dtype=bool) for sample in samples]
         rows = [
-            stream(s.positions, s.rotations, v, s.head_height) for s, v in zip(samples, valid, strict=True)
+            stream(s.positions, s.rotations, t, s.head_height) for s, t in zip(samples, tracked, strict=True)
         ]
         lengths = np.array([len(sample) for sample in samples])
         ends = np.cumsum(lengths)
@@ -59,12 +57,8 @@ class WindowLearner:
         self.yaws = np.concatenate([sample.yaws for sample in samples])
         self.first = np.repeat(ends - lengths, lengths)
         self.last = np.repeat(ends - 1, lengths)
-        self.chance = None
-        if weights is not None:
-            per_frame = np.repeat(np.asarray(weights, dtype=np.float64), lengths)
-            self.chance = np.cumsum(per_frame / per_frame.sum())
         self.scaler = start.scaler if start is not None else scaler or self._scaler()
-        self.model = build_mlp(layout.inputs, hidden, 2, dropout)
+        self.model = build_mlp(layout.inputs, hidden, 2)
         if start is not None:
             load_weights(self.model, start.networks[0])
         self.optimiser = torch.optim.AdamW(self.model.parameters(), lr=learning_rate, weight_decay=decay)
@@ -81,18 +75,15 @@ class WindowLearner:
     def _draw(self, count: int) -> tuple[np.ndarray, np.ndarray]:
         """Input vectors `(2 count, D)` before scaling and true ground directions `(2 count, 2)` in their
         axes."""
-        if self.chance is None:
-            frames = self.rng.integers(0, len(self.rows), count)
-        else:
-            frames = np.minimum(np.searchsorted(self.chance, self.rng.random(count)), len(self.rows) - 1)
-        speed = np.exp(self.rng.uniform(-1.0, 1.0, (count, 1)) * np.log1p(self.augmentation.stretch))
+        frames = self.rng.integers(0, len(self.rows), count)
+        speed = np.exp(self.rng.uniform(-1.0, 1.0, (count, 1)) * np.log1p(AUGMENTATION.stretch))
         places = np.round(frames[:, None] + self.layout.offsets * speed * RATE).astype(np.intp)
         # a window ends where its take does
         places = np.clip(places, self.first[frames][:, None], self.last[frames][:, None])
-        windows = mix_hands(self.rows[places], self.yaws[places], self.augmentation, self.rng)
-        windows = augment(windows, self.layout.offsets, self.augmentation, self.rng)
+        windows = mix_hands(self.rows[places], self.yaws[places], AUGMENTATION, self.rng)
+        windows = augment(windows, self.layout.offsets, AUGMENTATION, self.rng)
         frame = angles.yaw_of(windows[:, self.layout.centre, FACING].astype(np.float64))
-        near = self.rng.normal(self.yaws[frames], self.augmentation.frame)
+        near = self.rng.normal(self.yaws[frames], AUGMENTATION.frame)
         frame = np.where(self.rng.random(count) < 0.5, near, frame)
         inputs = window_inputs(windows, frame, self.layout)
         truth = angles.direction(self.yaws[frames] - frame)

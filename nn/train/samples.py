@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.body.edit import cut, resample
-from ..core.database.virtual_root import virtual_root
-from ..core.mocap.take import Take
-from ..core.recording.simulate import simulate_recording
-from ..core.recording.targets import joint_targets
+from ...core.body.edit import cut, resample
+from ...core.database.virtual_root import virtual_root
+from ...core.mocap.take import Take
+from ...core.recording.simulate import simulate_recording
+from ...core.recording.targets import joint_targets
+from ..inputs import RATE
+from ..predictor import head_height
 from .curation import curate
-from .inputs import RATE
-from .predictor import head_height
 
 Array = NDArray[np.floating[Any]]
 

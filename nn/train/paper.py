@@ -1,5 +1,8 @@
 """The paper's training (algorithm 1): predict r times from the truth, compare only the last answer."""
 
+# torch tells only part of its types, and types are checked without it, too
+# pyright: basic, reportMissingImports=false
+
 from __future__ import annotations
 
 import itertools
@@ -8,12 +11,19 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import torch
 
-from ..core.maths import angles
-from .inputs import GROUPS, RATE, TRACKED, group_scaler, headings, tracker_inputs, yaw_to_sixd
-from .network import Network
+from ...core.maths import angles
+from ..inputs import GROUPS, RATE, TRACKED, group_scaler, headings, tracker_inputs, yaw_to_sixd
+from ..network import Network
+from ..weights import Predictor
 from .samples import Sample
-from .train_torch import build_mlp, from_torch, linear_layers, load_weights, restore_training, training_state
-from .weights import Predictor
+from .torch_networks import (
+    build_mlp,
+    from_torch,
+    linear_layers,
+    load_weights,
+    restore_training,
+    training_state,
+)
 
 
 class RecurrentLearner:

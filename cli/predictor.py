@@ -1,0 +1,98 @@
+"""`train-predictor` and `evaluate-predictor`."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+
+from ..core.files import write_atomically
+from ..nn.settings import TrainSettings
+from .common import drawing, each, load_takes, run, say
+from .options import add_settings, read_settings
+from .verb import Report, Verb
+
+LOST = {"none": (), "left": ("left",), "right": ("right",), "both": ("left", "right")}
+"""What `--lost` says, as names of trackers."""
+
+
+def _add_train(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("takes", nargs="+", metavar="TAKE", help="BVH takes")
+    parser.add_argument("-o", "--output", required=True, metavar="P.npz", help="the weights to write")
+    add_settings(parser, TrainSettings)
+
+
+def _train(options: argparse.Namespace) -> Report:
+    """A body-orientation predictor from takes."""
+    from ..nn.train.job import train_predictor
+
+    settings = read_settings(options, TrainSettings)
+    takes = load_takes(options.takes)
+    return run(train_predictor(takes, settings, Path(options.output)))
+
+
+def _when_cancelled(options: argparse.Namespace) -> str:
+    from ..nn.train.checkpoint import checkpoint_path
+
+    path = checkpoint_path(options.output)
+    return f"; add --resume to go on from {path}" if path.is_file() else ""
+
+
+def _add_evaluate(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("takes", nargs="+", metavar="TAKE", help="BVH takes, each the user once")
+    parser.add_argument(
+        "--predictor",
+        action="append",
+        metavar="P.npz",
+        help="weights; may be repeated (default: everything that ships)",
+    )
+    parser.add_argument(
+        "--lost", choices=LOST, default="none", help="controllers that sleep all the time (default: none)"
+    )
+    parser.add_argument(
+        "--plot", metavar="FILE.png", help="draw the errors: by minute, and how often they are small"
+    )
+
+
+def _evaluate(options: argparse.Namespace) -> Report:
+    """Orientation errors of predictors beside the headset's forward."""
+    from ..nn.evaluate import errors_in_words, evaluate_predictors
+    from ..nn.predictor import load_predictor, shipped_predictors
+
+    figures = drawing() if options.plot else None
+    if options.predictor:
+        paths = list(dict.fromkeys(options.predictor))
+        predictors = dict(zip(_names(paths), each(paths, load_predictor), strict=True))
+    else:
+        predictors = shipped_predictors()
+    report = evaluate_predictors(load_takes(options.takes), predictors, LOST[options.lost])
+    say(options, errors_in_words(report))
+    if figures is not None:
+        write_atomically(options.plot, lambda file: file.write(figures.draw_predictors(report)))
+    return report
+
+
+def _names(paths: Sequence[str]) -> Sequence[str]:
+    """What a report calls the predictors of files: as the files, with their folders where that is not enough."""
+    from ..nn.evaluate import UNTRAINED
+
+    stems = [Path(path).stem for path in paths]
+    return stems if len({*stems, *UNTRAINED}) == len(stems) + len(UNTRAINED) else paths
+
+
+TRAIN_PREDICTOR = Verb(
+    "train-predictor",
+    "train a body-orientation predictor on takes (needs torch)",
+    _add_train,
+    _train,
+    reads=("takes",),
+    writes=".npz",
+    when_cancelled=_when_cancelled,
+)
+EVALUATE_PREDICTOR = Verb(
+    "evaluate-predictor",
+    "orientation errors beside the headset's forward",
+    _add_evaluate,
+    _evaluate,
+    reads=("takes", "predictor"),
+)

@@ -1,0 +1,70 @@
+"""`inspect` and `simulate-recording`: what is in takes and recordings, and a recording from a take."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+from .common import each, load_takes, say
+from .verb import Report, Verb
+
+
+def _add_inspect(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("files", nargs="+", metavar="FILE", help="BVH takes or recordings")
+
+
+def _inspect(options: argparse.Namespace) -> Report:
+    """What is in takes and recordings, and what is doubtful."""
+    from ..core.mocap.families import families
+    from ..core.mocap.takes import load_take
+    from ..core.recording.layouts import layouts
+    from ..core.recording.read import read_recording
+
+    def look(path: str) -> Report:
+        found = load_take(path) if path.lower().endswith(".bvh") else read_recording(path)
+        say(options, path)
+        for name, value in found.found.items():
+            say(options, f"  {name:<16} {value}")
+        for doubt in found.doubts:
+            say(options, f"  doubtful         {doubt}")
+        return {"file": path, "sha256": found.sha256, "found": found.found, "doubts": list(found.doubts)}
+
+    report = {"files": each(options.files, look)}
+    skipped = [*families().skipped, *layouts().skipped]
+    for line in skipped:
+        print(f"doubtful: {line}", file=sys.stderr)
+    return {**report, "skipped_presets": skipped}
+
+
+def _add_simulate(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("take", metavar="TAKE", help="a BVH take")
+    parser.add_argument("-o", "--output", required=True, metavar="R.csv", help="the recording to write")
+
+
+def _simulate(options: argparse.Namespace) -> Report:
+    """A recording with virtual trackers from a take."""
+    from ..core.recording.csv_format import write_csv
+    from ..core.recording.simulate import simulate_recording
+
+    (take,) = load_takes([options.take])
+    recording = simulate_recording(take.motion, take.name)
+    write_csv(options.output, recording)
+    say(options, f"{options.output}: {recording.times[-1]:.1f} s at {recording.fps:g} per second")
+    return {"file": options.output, "seconds": float(recording.times[-1]), "fps": recording.fps}
+
+
+INSPECT = Verb(
+    "inspect",
+    "show what is found in takes or recordings, and what is doubtful",
+    _add_inspect,
+    _inspect,
+    reads=("files",),
+)
+SIMULATE_RECORDING = Verb(
+    "simulate-recording",
+    "make a recording with virtual trackers from a take",
+    _add_simulate,
+    _simulate,
+    reads=("take",),
+    writes=".csv",
+)

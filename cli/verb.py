@@ -1,0 +1,29 @@
+"""What makes a verb of the command line."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+Report = dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Verb:
+    """One job of the command line."""
+
+    name: str
+    help: str
+    """What it does, in lower case and without a full stop, for the list of verbs and its own help."""
+    add_arguments: Callable[[argparse.ArgumentParser], None]
+    """Adds its arguments; `--json` comes by itself."""
+    run: Callable[[argparse.Namespace], Report]
+    """Does the job; a report with something under "failed" ends with exit code 3."""
+    reads: tuple[str, ...] = ()
+    """The arguments that name files to read, which no output may overwrite."""
+    writes: str = ""
+    """Suffix of the one file that it must write, if it does."""
+    when_cancelled: Callable[[argparse.Namespace], str] = lambda options: ""
+    """What to say after "cancelled"."""
