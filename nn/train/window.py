@@ -40,12 +40,13 @@ class WindowLearner:
         steps: int,
         seed: int,
         hidden: Sequence[int],
+        augmentation: Augmentation = AUGMENTATION,
         start: Predictor | None = None,
         scaler: Scaler | None = None,
     ) -> None:
         torch.manual_seed(seed)
         self.rng = np.random.default_rng(seed)
-        self.layout, self.batch = layout, batch
+        self.layout, self.batch, self.augmentation = layout, batch, augmentation
         self.smoothing = 0.0 if layout.causal else SMOOTHING
         tracked = [np.ones((len(sample), 3), dtype=bool) for sample in samples]
         rows = [
@@ -76,14 +77,14 @@ class WindowLearner:
         """Input vectors `(2 count, D)` before scaling and true ground directions `(2 count, 2)` in their
         axes."""
         frames = self.rng.integers(0, len(self.rows), count)
-        speed = np.exp(self.rng.uniform(-1.0, 1.0, (count, 1)) * np.log1p(AUGMENTATION.stretch))
+        speed = np.exp(self.rng.uniform(-1.0, 1.0, (count, 1)) * np.log1p(self.augmentation.stretch))
         places = np.round(frames[:, None] + self.layout.offsets * speed * RATE).astype(np.intp)
         # a window ends where its take does
         places = np.clip(places, self.first[frames][:, None], self.last[frames][:, None])
-        windows = mix_hands(self.rows[places], self.yaws[places], AUGMENTATION, self.rng)
-        windows = augment(windows, self.layout.offsets, AUGMENTATION, self.rng)
+        windows = mix_hands(self.rows[places], self.yaws[places], self.augmentation, self.rng)
+        windows = augment(windows, self.layout.offsets, self.augmentation, self.rng)
         frame = angles.yaw_of(windows[:, self.layout.centre, FACING].astype(np.float64))
-        near = self.rng.normal(self.yaws[frames], AUGMENTATION.frame)
+        near = self.rng.normal(self.yaws[frames], self.augmentation.frame)
         frame = np.where(self.rng.random(count) < 0.5, near, frame)
         inputs = window_inputs(windows, frame, self.layout)
         truth = angles.direction(self.yaws[frames] - frame)
