@@ -1,4 +1,4 @@
-"""Properties, and the Footwork tab of the 3D viewport's sidebar: one module for each step, in the order of work."""
+"""The Footwork tab of the 3D viewport's sidebar: one module for each step, in the order of work."""
 
 import bpy
 
@@ -9,7 +9,6 @@ from . import (
     lists,
     predictor,
     preferences,
-    properties,
     quality,
     recording,
     rig,
@@ -21,8 +20,7 @@ CLASSES = (*preferences.CLASSES, *lists.CLASSES, *(cls for step in STEPS for cls
 
 
 def register() -> None:
-    """Add properties, lists and panels to Blender."""
-    properties.register()
+    """Add lists and panels to Blender."""
     for cls in CLASSES:
         bpy.utils.register_class(cls)
     graph.register()
@@ -33,4 +31,3 @@ def unregister() -> None:
     graph.unregister()
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)
-    properties.unregister()

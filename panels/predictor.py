@@ -4,6 +4,7 @@ import bpy
 
 from ..operators import training
 from ..operators.predictor import predictor_path
+from ..properties.preferences import ADD_ON
 from . import text
 from .parts import Part, job_button, settings_column
 
@@ -33,9 +34,7 @@ class FOOTWORK_PT_predictor(Part, bpy.types.Panel):
         missing = training.find_trainer(context).missing
         if missing:
             text.notes(context, body, missing, "INFO")
-            body.operator(
-                "preferences.addon_show", text="Preferences", icon="PREFERENCES"
-            ).module = training.ADD_ON
+            body.operator("preferences.addon_show", text="Preferences", icon="PREFERENCES").module = ADD_ON
         body.prop(footwork, "train_path", placeholder=predictor_path(footwork).name)
         body.use_property_split = False
         settings = footwork.train_settings

@@ -4,9 +4,9 @@ import bpy
 
 from ..bridge import armature
 from ..core.body.skeleton import ARM, CENTRE_ROLES, LEG, REQUIRED_ROLES
+from ..properties.role_map import attribute, role_label
 from . import text
 from .parts import Part
-from .properties import attribute, role_label
 
 
 class FOOTWORK_PT_rig(Part, bpy.types.Panel):

@@ -8,6 +8,9 @@ from typing import Any
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
 
+from ..core.settings import BakeSettings, DatabaseSettings
+from ..nn.settings import TrainSettings
+
 UNITS = {
     "m": {"subtype": "DISTANCE"},
     "s": {"subtype": "TIME_ABSOLUTE", "unit": "TIME_ABSOLUTE"},
@@ -40,3 +43,10 @@ def property_group(name: str, settings: type) -> type[bpy.types.PropertyGroup]:
     return type(
         name, (bpy.types.PropertyGroup,), {"__annotations__": annotations, "__doc__": settings.__doc__}
     )
+
+
+FOOTWORK_PG_database_settings = property_group("FOOTWORK_PG_database_settings", DatabaseSettings)
+FOOTWORK_PG_train_settings = property_group("FOOTWORK_PG_train_settings", TrainSettings)
+FOOTWORK_PG_bake_settings = property_group("FOOTWORK_PG_bake_settings", BakeSettings)
+
+CLASSES = (FOOTWORK_PG_database_settings, FOOTWORK_PG_train_settings, FOOTWORK_PG_bake_settings)
