@@ -5,8 +5,8 @@ import bpy
 from . import (
     bake,
     databases,
-    graph,
     lists,
+    overlays,
     predictor,
     preferences,
     quality,
@@ -23,11 +23,11 @@ def register() -> None:
     """Add lists and panels to Blender."""
     for cls in CLASSES:
         bpy.utils.register_class(cls)
-    graph.register()
+    overlays.register()
 
 
 def unregister() -> None:
     """Take them away again."""
-    graph.unregister()
+    overlays.unregister()
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

@@ -2,7 +2,7 @@
 
 import bpy
 
-from . import text
+from . import overlays, text
 from .parts import Part
 
 
@@ -31,8 +31,10 @@ class FOOTWORK_PT_quality(Part, bpy.types.Panel):
             value = split.row()
             value.alignment = "LEFT"
             value.operator("footwork.explain_figure", text=row.value, emboss=False).index = index
-        if footwork.over_time:
-            layout.prop(footwork, "show_graph", icon="GRAPH", toggle=True)
+        toggles = overlays.toggles_of(context.scene)
+        column = layout.column(align=True)
+        for overlay in overlays.OVERLAYS:
+            column.prop(toggles, overlay.name, icon=overlay.icon, toggle=True)
         told = footwork.recording_doubts.splitlines()
         fresh = [line for line in footwork.warnings.splitlines() if line not in told]
         text.notes(context, layout, "\n".join(fresh))

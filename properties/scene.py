@@ -22,6 +22,8 @@ from .settings_groups import (
 
 NAME = "footwork"
 """Property of a scene that holds all of it; the role map has the same name in objects."""
+OVERLAYS_NAME = "overlays"
+"""Property of the scene's group that holds the overlays' toggles; the panels make it from their registry."""
 
 
 def is_armature(self: bpy.types.PropertyGroup, obj: bpy.types.Object) -> bool:
@@ -189,12 +191,6 @@ class FOOTWORK_PG_scene(bpy.types.PropertyGroup):
     )
     figures_of: StringProperty(name="Last Bake", description="What the figures belong to")
     over_time: StringProperty(name="Figures over Time", description="The figures of the last bake as JSON")
-    show_graph: BoolProperty(
-        name="Graph in Viewport",
-        description="Show body to user, body direction and foot skate over time at the foot of the viewport; "
-        "the line across is the value up to which they count as good",
-        default=True,
-    )
     warnings: StringProperty(name="Warnings", description="Warnings of the last bake, a line each")
 
 

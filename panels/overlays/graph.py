@@ -13,7 +13,8 @@ import numpy as np
 from gpu_extras.batch import batch_for_shader
 from numpy.typing import NDArray
 
-from ..operators.figures import OverTime, read_over_time
+from ...operators.figures import OverTime, read_over_time
+from ...properties.scene import footwork_of
 
 Array = NDArray[np.floating[Any]]
 Box = tuple[float, float, float, float]
@@ -25,8 +26,6 @@ TEXT_SIZE = 11.0
 """All in pixels at a resolution scale of 1."""
 COLOURS = ((0.35, 0.66, 1.0), (1.0, 0.71, 0.26), (0.47, 0.87, 0.47), (0.9, 0.5, 0.8))
 BACK, INK, FAINT, HEAD = (0.08, 0.08, 0.08, 0.78), (0.9, 0.9, 0.9, 1.0), (1, 1, 1, 0.25), (1, 1, 1, 0.85)
-
-_handlers: list[object] = []
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,24 +47,14 @@ class Drawing:
     texts: list[Text]
 
 
-def register() -> None:
-    """Draw in every 3D viewport whose scene wants it."""
-    _handlers.append(bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_PIXEL"))
-
-
-def unregister() -> None:
-    """Draw no more."""
-    bpy.types.SpaceView3D.draw_handler_remove(_handlers.pop(), "WINDOW")
-
-
-def _draw() -> None:
-    context = bpy.context
-    footwork = context.scene.footwork
-    if not footwork.over_time or not footwork.show_graph or not context.space_data.overlay.show_overlays:
+def draw(context: bpy.types.Context) -> None:
+    """Draw the figures of the scene's last bake; nothing where there was none."""
+    over_time = footwork_of(context.scene).over_time
+    if not over_time:
         return
     scale = context.preferences.system.ui_scale
     room = free_room(context.area, context.region)
-    drawing = make_drawing(read(footwork.over_time), room, scale, context.scene.frame_current_final)
+    drawing = make_drawing(read(over_time), room, scale, context.scene.frame_current_final)
     if drawing is not None:
         paint(drawing, scale)
 
