@@ -3,7 +3,7 @@
 import bpy
 from bpy.props import PointerProperty
 
-from . import role_map, rows, scene, settings_groups
+from . import role_map, rows, scene, settings_groups, upgrade
 
 CLASSES = (*settings_groups.CLASSES, *rows.CLASSES, *scene.CLASSES, *role_map.CLASSES)
 
@@ -14,10 +14,12 @@ def register() -> None:
         bpy.utils.register_class(cls)
     setattr(bpy.types.Scene, scene.NAME, PointerProperty(type=scene.FOOTWORK_PG_scene))
     setattr(bpy.types.Object, scene.NAME, PointerProperty(type=role_map.FOOTWORK_PG_role_map))
+    upgrade.register()
 
 
 def unregister() -> None:
     """Take them away again; what was saved in files stays there."""
+    upgrade.unregister()
     delattr(bpy.types.Object, scene.NAME)
     delattr(bpy.types.Scene, scene.NAME)
     for cls in reversed(CLASSES):

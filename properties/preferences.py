@@ -3,11 +3,13 @@
 import bpy
 from bpy.props import StringProperty
 
+from .version import Versioned
+
 ADD_ON = __package__.rpartition(".")[0]
 """Name under which Blender knows the extension."""
 
 
-class Preferences:
+class Preferences(Versioned):
     """The properties of the add-on's preferences; the panel that shows them is their class."""
 
     training_python: StringProperty(

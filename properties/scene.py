@@ -19,6 +19,7 @@ from .settings_groups import (
     FOOTWORK_PG_database_settings,
     FOOTWORK_PG_train_settings,
 )
+from .version import Versioned
 
 NAME = "footwork"
 """Property of a scene that holds all of it; the role map has the same name in objects."""
@@ -49,7 +50,7 @@ def tracker(label: str):
     )
 
 
-class FOOTWORK_PG_scene(bpy.types.PropertyGroup):
+class FOOTWORK_PG_scene(Versioned, bpy.types.PropertyGroup):
     """Everything that the Footwork panels show of a scene."""
 
     takes: CollectionProperty(type=FOOTWORK_PG_take, name="Takes", description="Motion-capture files")

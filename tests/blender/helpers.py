@@ -88,7 +88,7 @@ def add_takes(folder: Path, *names: str) -> None:
 
 
 def drawn(wide: int, high: int, draw: Callable[[], None]) -> np.ndarray:
-    """Pixels `(high, wide, 4)` that `draw` leaves on black; skips the test where Blender cannot draw without a window."""
+    """Pixels `(high, wide, 4)` that `draw` leaves on black; skips the test where Blender draws only in windows."""
     if not hasattr(gpu, "init"):
         pytest.skip("this Blender has no graphics without a window")
     try:
