@@ -32,8 +32,13 @@ def read_settings(properties: bpy.types.PropertyGroup, settings: type[Settings])
     return result
 
 
+def typed(value: float) -> float:
+    """A number as it was typed: Blender's properties hold single precision."""
+    return float(f"{value:.7g}")
+
+
 def _as_typed(value: float, default: float, low: float | None, high: float | None) -> float:
-    typed = float(f"{value:.7g}")
-    if typed == float(f"{default:.7g}"):
+    number = typed(value)
+    if number == typed(default):
         return default
-    return min(max(typed, -1e30 if low is None else low), 1e30 if high is None else high)
+    return min(max(number, -1e30 if low is None else low), 1e30 if high is None else high)

@@ -11,7 +11,7 @@ from ..bridge.action import check_writable, scene_fps, write_action
 from ..bridge.ground import chosen_ground
 from ..bridge.lookup import find_object, find_scene, metres_per_unit
 from ..bridge.objects import recording_from_objects
-from ..bridge.settings import read_settings
+from ..bridge.settings import read_settings, typed
 from ..core import pipeline
 from ..core.database.sidecar import load_database
 from ..core.errors import InputError
@@ -23,7 +23,8 @@ from ..core.rig.ground import Ground
 from ..core.rig.rig import Rig
 from ..core.settings import BakeSettings
 from ..nn import predictor
-from . import figures, files
+from ..properties.scene import footwork_of
+from . import figures
 from .job_operator import JobOperator
 from .recording import calibrated, wanted_part
 
@@ -61,7 +62,7 @@ class FOOTWORK_OT_bake(JobOperator, bpy.types.Operator):
 
     @classmethod
     def refusal(cls, context):
-        footwork = context.scene.footwork
+        footwork = footwork_of(context.scene)
         if footwork.recording_source == "FILE" and not footwork.recording_path:
             return "Choose a recording first"
         if footwork.recording_source == "OBJECTS" and footwork.head is None:
@@ -74,7 +75,8 @@ class FOOTWORK_OT_bake(JobOperator, bpy.types.Operator):
 
     def start(self, context):
         scene = context.scene
-        footwork, rig = scene.footwork, scene.footwork.rig
+        footwork = footwork_of(scene)
+        rig = footwork.rig
         if rig is not None:
             check_writable(rig)
             if rig.name not in scene.objects:
@@ -87,7 +89,7 @@ class FOOTWORK_OT_bake(JobOperator, bpy.types.Operator):
 
     def finish(self, context, result):
         scene = find_scene(self._scene)
-        footwork, unit = scene.footwork, metres_per_unit(scene)
+        footwork, unit = footwork_of(scene), metres_per_unit(scene)
         if self._rig is None:
             collection = context.collection if context.scene == scene else scene.collection
             rig = armature.create_armature(result.rig, "Avatar", collection, unit)
@@ -121,7 +123,7 @@ class FOOTWORK_OT_bake(JobOperator, bpy.types.Operator):
 
 def read_source(scene: bpy.types.Scene) -> Source:
     """All inputs of a bake; objects of the scene are sampled here."""
-    footwork = scene.footwork
+    footwork = footwork_of(scene)
     for row in footwork.databases:
         if row.use and row.height_low >= row.height_high:
             raise InputError(f"{row.name}: its height range is empty; From must be less than To")
@@ -143,7 +145,7 @@ def read_source(scene: bpy.types.Scene) -> Source:
         eye_height=calibrated(footwork),
         part=wanted_part(footwork),
         databases=tuple(
-            (bpy.path.abspath(row.path), (files.typed(row.height_low), files.typed(row.height_high)))
+            (bpy.path.abspath(row.path), (typed(row.height_low), typed(row.height_high)))
             for row in footwork.databases
             if row.use
         ),

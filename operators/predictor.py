@@ -10,7 +10,8 @@ from ..bridge.settings import read_settings
 from ..core.errors import InputError
 from ..nn.checkpoint import checkpoint_path
 from ..nn.settings import TrainSettings
-from . import files, training
+from ..properties.scene import FOOTWORK_PG_scene, footwork_of
+from . import paths, training
 from .job_operator import JobOperator
 
 
@@ -33,13 +34,13 @@ class FOOTWORK_OT_train_predictor(JobOperator, bpy.types.Operator):
 
     @classmethod
     def refusal(cls, context):
-        takes = context.scene.footwork.takes
+        takes = footwork_of(context.scene).takes
         if not any(take.use and take.state != "FAULT" for take in takes):
             return "Tick at least one usable take" if takes else "Add takes first"
         return training.find_trainer(context).missing
 
     def start(self, context):
-        footwork = context.scene.footwork
+        footwork = footwork_of(context.scene)
         self._scene = context.scene.name
         self._path = predictor_path(footwork, self.filepath)
         settings = read_settings(footwork.train_settings, TrainSettings)
@@ -57,19 +58,15 @@ class FOOTWORK_OT_train_predictor(JobOperator, bpy.types.Operator):
         return JobOperator.after_cancel(self)
 
     def finish(self, context, result):
-        footwork = find_scene(self._scene).footwork
-        footwork.predictor, footwork.predictor_path = "FILE", files.stored(str(self._path))
+        footwork = footwork_of(find_scene(self._scene))
+        footwork.predictor, footwork.predictor_path = "FILE", paths.stored(str(self._path))
         footwork.trained = in_words(result)
         self.report({"INFO"}, f"{self._path.name} trained: {footwork.trained}")
 
 
-def predictor_path(footwork: bpy.types.PropertyGroup, override: str = "") -> Path:
-    """Where the next predictor is written: as said, or a name after the .blend beside it."""
-    said = override or footwork.train_path
-    if said:
-        return Path(bpy.path.abspath(said)).with_suffix(".npz")
-    stem = Path(bpy.data.filepath).stem if bpy.data.filepath else "footwork"
-    return Path(files.beside_blend(f"{stem}_predictor.npz"))
+def predictor_path(footwork: FOOTWORK_PG_scene, override: str = "") -> Path:
+    """Where the next predictor is written."""
+    return paths.output(override or footwork.train_path, "predictor")
 
 
 def in_words(report: dict) -> str:

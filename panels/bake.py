@@ -4,6 +4,7 @@ import bpy
 from bl_ui.utils import PresetPanel
 
 from ..operators.presets import FOLDER
+from ..properties.scene import footwork_of
 from .parts import Part, job_button, settings_column
 
 MAIN_BAKE_SETTINGS = ("trajectory", "search", "alpha", "beta")
@@ -32,7 +33,7 @@ class FOOTWORK_PT_bake(Part, bpy.types.Panel):
         FOOTWORK_PT_bake_presets.draw_panel_header(self.layout)
 
     def draw(self, context):
-        layout, footwork = self.layout, context.scene.footwork
+        layout, footwork = self.layout, footwork_of(context.scene)
         settings = footwork.bake
         idle = () if settings.trajectory == "causal" else CAUSAL_SETTINGS
         known = [name for name in settings.__annotations__ if name not in idle]

@@ -2,7 +2,8 @@
 
 import bpy
 
-from ..operators.files import active
+from ..operators.rows import active
+from ..properties.scene import footwork_of
 from . import text
 from .parts import Part
 
@@ -17,7 +18,7 @@ class FOOTWORK_PT_databases(Part, bpy.types.Panel):
         return "CHECKMARK" if any(row.use for row in footwork.databases) else ""
 
     def draw(self, context):
-        layout, footwork = self.layout, context.scene.footwork
+        layout, footwork = self.layout, footwork_of(context.scene)
         row = layout.row()
         row.template_list(
             "FOOTWORK_UL_databases", "", footwork, "databases", footwork, "database_index", rows=3

@@ -5,6 +5,7 @@ import textwrap
 import bpy
 
 from ..operators import job_operator
+from ..properties.scene import footwork_of
 from . import text
 
 
@@ -17,7 +18,7 @@ class Part:
 
     def draw_header_preset(self, context):
         """Say at the right of the header how far this step is."""
-        icon = self.step_icon(context.scene.footwork)
+        icon = self.step_icon(footwork_of(context.scene))
         if icon:
             self.layout.label(text="", icon=icon)
 

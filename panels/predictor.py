@@ -5,6 +5,7 @@ import bpy
 from ..operators import training
 from ..operators.predictor import predictor_path
 from ..properties.preferences import ADD_ON
+from ..properties.scene import footwork_of
 from . import text
 from .parts import Part, job_button, settings_column
 
@@ -21,7 +22,7 @@ class FOOTWORK_PT_predictor(Part, bpy.types.Panel):
         return "" if missing else "CHECKMARK"
 
     def draw(self, context):
-        layout, footwork = self.layout, context.scene.footwork
+        layout, footwork = self.layout, footwork_of(context.scene)
         layout.use_property_split = True
         layout.use_property_decorate = False
         layout.prop(footwork, "predictor", text="Source")

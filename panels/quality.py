@@ -2,6 +2,7 @@
 
 import bpy
 
+from ..properties.scene import footwork_of
 from . import overlays, text
 from .parts import Part
 
@@ -18,7 +19,7 @@ class FOOTWORK_PT_quality(Part, bpy.types.Panel):
         return "ERROR" if any(row.good == "POOR" for row in footwork.figures) else "CHECKMARK"
 
     def draw(self, context):
-        layout, footwork = self.layout, context.scene.footwork
+        layout, footwork = self.layout, footwork_of(context.scene)
         if not footwork.figures:
             layout.label(text="Nothing baked yet", icon="INFO")
             return

@@ -2,6 +2,7 @@
 
 import bpy
 
+from ..properties.scene import footwork_of
 from . import text
 from .parts import Part
 
@@ -18,7 +19,7 @@ class FOOTWORK_PT_recording(Part, bpy.types.Panel):
         return "CHECKMARK" if footwork.recording_path and footwork.recording_state != "FAULT" else ""
 
     def draw(self, context):
-        layout, footwork = self.layout, context.scene.footwork
+        layout, footwork = self.layout, footwork_of(context.scene)
         layout.row().prop(footwork, "recording_source", expand=True)
         column = layout.column()
         column.use_property_split = True

@@ -5,6 +5,7 @@ import bpy
 from ..bridge import armature
 from ..core.body.skeleton import ARM, CENTRE_ROLES, LEG, REQUIRED_ROLES
 from ..properties.role_map import attribute, role_label
+from ..properties.scene import footwork_of
 from . import text
 from .parts import Part
 
@@ -23,7 +24,7 @@ class FOOTWORK_PT_rig(Part, bpy.types.Panel):
         return "CHECKMARK" if all(mapped.get(role) for role in REQUIRED_ROLES) else "ERROR"
 
     def draw(self, context):
-        layout, footwork = self.layout, context.scene.footwork
+        layout, footwork = self.layout, footwork_of(context.scene)
         row = layout.row(align=True)
         row.prop(footwork, "rig", text="")
         row.operator("footwork.use_active_rig", text="", icon="RESTRICT_SELECT_OFF")

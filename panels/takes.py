@@ -3,7 +3,8 @@
 import bpy
 
 from ..operators.databases import database_path
-from ..operators.files import active
+from ..operators.rows import active
+from ..properties.scene import footwork_of
 from . import text
 from .lists import duration
 from .parts import Part, job_button, job_progress
@@ -16,12 +17,12 @@ class FOOTWORK_PT_takes(Part, bpy.types.Panel):
     bl_label = "1  Takes"
 
     def draw_header_preset(self, context):
-        takes = [take for take in context.scene.footwork.takes if take.use]
+        takes = [take for take in footwork_of(context.scene).takes if take.use]
         if takes:
             self.layout.label(text=duration(sum(take.seconds for take in takes)))
 
     def draw(self, context):
-        layout, footwork = self.layout, context.scene.footwork
+        layout, footwork = self.layout, footwork_of(context.scene)
         row = layout.row()
         row.template_list(
             "FOOTWORK_UL_takes",
@@ -92,7 +93,7 @@ class FOOTWORK_MT_takes(bpy.types.Menu):
     bl_label = "Takes"
 
     def draw(self, context):
-        layout, footwork = self.layout, context.scene.footwork
+        layout, footwork = self.layout, footwork_of(context.scene)
         layout.operator("footwork.inspect_takes", text="Read All Again", icon="FILE_REFRESH").which = "ALL"
         take = active(footwork.takes, footwork.take_index)
         if take is not None:
