@@ -13,6 +13,7 @@ import traceback
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from ..bridge import exports
 from ..core.errors import InputError
 from ..core.files import sha256_of, write_atomically
 from ..core.settings import BakeSettings, DatabaseSettings
@@ -190,7 +191,7 @@ def _add_bake(sub: argparse.ArgumentParser) -> None:
     )
     sub.add_argument("-o", "--output", required=True, metavar="OUT.blend", help="the file to write")
     sub.add_argument(
-        "--export", action="append", default=[], metavar="FILE", help="also write .fbx, .glb or .bvh"
+        "--export", action="append", default=[], metavar="FILE", help=f"also write {exports.in_words()}"
     )
     sub.add_argument(
         "--eye-height", type=float, metavar="M", help="standing eye height, m (default: the recording's)"
@@ -346,7 +347,7 @@ def bake(options: argparse.Namespace) -> Report:
     from ..core.recording.read import read_recording
 
     try:
-        from ..bridge import files
+        from ..bridge import load, targets
     except ModuleNotFoundError as error:
         if error.name != "bpy":
             raise
@@ -354,7 +355,7 @@ def bake(options: argparse.Namespace) -> Report:
             "bake writes Blender files: run it in Blender, or install the Python module bpy"
         ) from error
     settings = read_settings(options, BakeSettings)
-    files.check_targets([options.output, *options.export])
+    exports.check_targets(options.export)
     if options.fps is not None and not 1.0 <= options.fps <= 1000.0:
         raise InputError(f"--fps {options.fps:g}: give frames per second, such as 24")
     recording = read_recording(options.recording, options.eye_height)
@@ -363,15 +364,15 @@ def bake(options: argparse.Namespace) -> Report:
     databases = load_databases(options.database)
     predict = choose_predictor(options.predictor)
     fps = options.fps or databases[0].fps
-    target = files.open_target(options.rig, fps)
+    target = targets.open_target(options.rig, fps)
     for doubt in target.doubts:
         print(f"{target.name}: doubtful: {doubt}", file=sys.stderr)
     ground = target.ground(options.ground) if options.ground else None
     result = run(bake_job(recording, databases, predict, target.rig, settings, output_fps=fps, ground=ground))
     for kind, path in (
         ("predictor", None if options.predictor == "hmd" else options.predictor),
-        ("rig", files.split_rig(options.rig)[0] if options.rig else None),
-        ("ground", files.split_rig(options.ground)[0] if options.ground else None),
+        ("rig", load.split_rig(options.rig)[0] if options.rig else None),
+        ("ground", load.split_rig(options.ground)[0] if options.ground else None),
     ):
         if path:
             result.report["inputs"].append({"kind": kind, "name": str(path), "sha256": sha256_of(path)})
