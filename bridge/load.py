@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import io
 from pathlib import Path
+from typing import Any, cast
 
 import bpy
 
@@ -33,8 +34,11 @@ def check_ground(path: Path) -> None:
 def append(path: Path, name: str) -> bpy.types.Object | bpy.types.Collection | None:
     """An object or collection of another file, or all its objects, brought into the scene; None if it has none."""
     into = bpy.context.scene.collection
+    there: Any
+    here: Any
     try:
-        with bpy.data.libraries.load(str(path)) as (there, here):
+        with bpy.data.libraries.load(str(path)) as (there, here):  # pyright: ignore[reportGeneralTypeIssues]
+            # names, which are data afterwards
             if not name:
                 here.objects = list(there.objects)
             elif name in there.objects:
@@ -43,18 +47,19 @@ def append(path: Path, name: str) -> bpy.types.Object | bpy.types.Collection | N
                 here.collections = [name]
     except OSError as error:
         raise InputError(f"{path}: Blender cannot read it: {str(error).splitlines()[0]}") from error
-    if here.collections:
-        into.children.link(here.collections[0])
-        return here.collections[0]
+    collections, objects = cast(list[Any], here.collections), cast(list[Any], here.objects)
+    if collections:
+        into.children.link(collections[0])
+        return collections[0]
     if not name:
         all_of_it = bpy.data.collections.new(path.stem)
         into.children.link(all_of_it)
         into = all_of_it
-    for obj in here.objects:
+    for obj in objects:
         if obj.type in SURFACES or name:
             into.objects.link(obj)
     if name:
-        return here.objects[0] if here.objects else None
+        return objects[0] if objects else None
     return into
 
 

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import fields
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import bpy
 
 from ..core.settings import check
 
-Settings = TypeVar("Settings")
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+Settings = TypeVar("Settings", bound="DataclassInstance")
 
 
 def read_settings(properties: bpy.types.PropertyGroup, settings: type[Settings]) -> Settings:
@@ -37,7 +40,7 @@ def typed(value: float) -> float:
     return float(f"{value:.7g}")
 
 
-def _as_typed(value: float, default: float, low: float | None, high: float | None) -> float:
+def _as_typed(value: float, default: Any, low: float | None, high: float | None) -> float:
     number = typed(value)
     if number == typed(default):
         return default

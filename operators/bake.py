@@ -3,6 +3,7 @@
 import json
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import bpy
 
@@ -15,7 +16,7 @@ from ..bridge.settings import read_settings, typed
 from ..core import pipeline
 from ..core.database.sidecar import load_database
 from ..core.errors import InputError
-from ..core.jobs import part
+from ..core.jobs import Job, part
 from ..core.recording.cut import cut
 from ..core.recording.read import read_recording
 from ..core.recording.recording import Recording
@@ -61,7 +62,7 @@ class FOOTWORK_OT_bake(JobOperator, bpy.types.Operator):
     title = "Baking"
 
     @classmethod
-    def refusal(cls, context):
+    def refusal(cls, context: bpy.types.Context) -> str:
         footwork = footwork_of(context.scene)
         if footwork.recording_source == "FILE" and not footwork.recording_path:
             return "Choose a recording first"
@@ -73,7 +74,7 @@ class FOOTWORK_OT_bake(JobOperator, bpy.types.Operator):
             return "Choose a predictor file, or use the built-in one"
         return ""
 
-    def start(self, context):
+    def start(self, context: bpy.types.Context) -> Job[Any]:
         scene = context.scene
         footwork = footwork_of(scene)
         rig = footwork.rig
@@ -87,7 +88,7 @@ class FOOTWORK_OT_bake(JobOperator, bpy.types.Operator):
         self._name = footwork.action_name
         return _bake(read_source(scene))
 
-    def finish(self, context, result):
+    def finish(self, context: bpy.types.Context, result: Any) -> None:
         scene = find_scene(self._scene)
         footwork, unit = footwork_of(scene), metres_per_unit(scene)
         if self._rig is None:

@@ -49,7 +49,7 @@ class FOOTWORK_OT_use_edited_contacts(RowOperator, bpy.types.Operator):
     what = "take"
 
     @classmethod
-    def refusal(cls, context):
+    def refusal(cls, context: bpy.types.Context) -> str:
         row = cls.active(context)
         if row is None:
             return super().refusal(context)
@@ -57,8 +57,9 @@ class FOOTWORK_OT_use_edited_contacts(RowOperator, bpy.types.Operator):
             return f"Select the armature that Show Take in Scene made of {row.name}"
         return ""
 
-    def work(self, context):
+    def work(self, context: bpy.types.Context) -> None:
         row, obj = self.active(context), context.object
+        assert obj is not None
         take, fps = load_take(bpy.path.abspath(row.path)), keyed.shown_rate(obj)
         detected = contacts_to_show(take, footwork_of(context.scene), fps, [])
         edits = find_contact_edits(take.name, keyed.read_contacts(obj, len(detected)), detected, fps)

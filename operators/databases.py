@@ -1,6 +1,7 @@
 """Motion databases: build one from the takes, and the list of those that a bake uses."""
 
 from pathlib import Path
+from typing import Any
 
 import bpy
 from bpy.props import CollectionProperty, IntProperty, StringProperty
@@ -14,7 +15,7 @@ from ..core.database.describe import describe_database
 from ..core.database.motion_database import MotionDatabase
 from ..core.database.sidecar import load_database, save_database
 from ..core.errors import InputError
-from ..core.jobs import part
+from ..core.jobs import Job, part
 from ..core.mocap.takes import load_take
 from ..core.settings import DatabaseSettings
 from ..properties.scene import FOOTWORK_PG_scene, footwork_of
@@ -42,7 +43,7 @@ class FOOTWORK_OT_build_database(JobOperator, bpy.types.Operator):
     )
 
     @classmethod
-    def refusal(cls, context):
+    def refusal(cls, context: bpy.types.Context) -> str:
         takes = footwork_of(context.scene).takes
         if not takes:
             return "Add takes first"
@@ -52,7 +53,7 @@ class FOOTWORK_OT_build_database(JobOperator, bpy.types.Operator):
             else "Tick at least one usable take"
         )
 
-    def start(self, context):
+    def start(self, context: bpy.types.Context) -> Job[Any]:
         footwork = footwork_of(context.scene)
         self._scene = context.scene.name
         settings = read_settings(footwork.database_settings, DatabaseSettings)
@@ -71,7 +72,7 @@ class FOOTWORK_OT_build_database(JobOperator, bpy.types.Operator):
         skeleton = bpy.path.abspath(footwork.database_skeleton)
         return _build(takes, settings, self._path, tags, exclude, contact_edits, skeleton)
 
-    def finish(self, context, result):
+    def finish(self, context: bpy.types.Context, result: Any) -> None:
         database, doubts = result
         save_database(self._path, database)
         _show(footwork_of(find_scene(self._scene)), self._path, database)
@@ -159,7 +160,7 @@ class FOOTWORK_OT_add_database(FootworkOperator, ImportHelper, bpy.types.Operato
     filter_glob: StringProperty(default="*.npz", options={"HIDDEN"})
     filename_ext = ".npz"
 
-    def work(self, context):
+    def work(self, context: bpy.types.Context) -> None:
         loaded = [(Path(path), load_database(path)) for path in paths.chosen(self)]
         for path, database in loaded:
             _show(footwork_of(context.scene), path, database)
@@ -173,7 +174,7 @@ class FOOTWORK_OT_remove_database(RowOperator, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
     what = "database"
 
-    def work(self, context):
+    def work(self, context: bpy.types.Context) -> None:
         self.remove(context)
 
 
@@ -187,7 +188,7 @@ class FOOTWORK_OT_move_database(RowOperator, bpy.types.Operator):
 
     step: IntProperty(name="Step", description="Rows to move down by", default=1)
 
-    def work(self, context):
+    def work(self, context: bpy.types.Context) -> None:
         self.move(context, self.step)
 
 

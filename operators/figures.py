@@ -154,7 +154,7 @@ class FOOTWORK_OT_explain_figure(FootworkOperator, bpy.types.Operator):
     def description(cls, context, properties):
         return explanation(footwork_of(context.scene), properties.index)
 
-    def work(self, context):
+    def work(self, context: bpy.types.Context) -> None:
         self.report({"INFO"}, explanation(footwork_of(context.scene), self.index))
 
 

@@ -150,10 +150,10 @@ class FOOTWORK_OT_cancel_job(FootworkOperator, bpy.types.Operator):
     bl_options = {"INTERNAL"}
 
     @classmethod
-    def refusal(cls, context):
+    def refusal(cls, context: bpy.types.Context) -> str:
         return "" if running is not None else "Nothing is running"
 
-    def work(self, context):
+    def work(self, context: bpy.types.Context) -> None:
         if running is not None:
             running.cancelled = True
 

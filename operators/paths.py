@@ -17,7 +17,7 @@ def chosen(operator: Any) -> list[str]:
     Raises:
         InputError: none was given.
     """
-    names = [item.name for item in operator.files if item.name]
+    names = [item.name for item in getattr(operator, "files", ()) if item.name]
     if names:
         return [str(Path(bpy.path.abspath(operator.directory)) / name) for name in names]
     if not operator.filepath:

@@ -1,6 +1,7 @@
 """Train a body-orientation predictor on the takes."""
 
 from pathlib import Path
+from typing import Any
 
 import bpy
 from bpy.props import StringProperty
@@ -8,6 +9,7 @@ from bpy.props import StringProperty
 from ..bridge.lookup import find_scene
 from ..bridge.settings import read_settings
 from ..core.errors import InputError
+from ..core.jobs import Job
 from ..nn.checkpoint import checkpoint_path
 from ..nn.settings import TrainSettings
 from ..properties.scene import FOOTWORK_PG_scene, footwork_of
@@ -33,13 +35,13 @@ class FOOTWORK_OT_train_predictor(JobOperator, bpy.types.Operator):
     )
 
     @classmethod
-    def refusal(cls, context):
+    def refusal(cls, context: bpy.types.Context) -> str:
         takes = footwork_of(context.scene).takes
         if not any(take.use and take.state != "FAULT" for take in takes):
             return "Tick at least one usable take" if takes else "Add takes first"
         return training.find_trainer(context).missing
 
-    def start(self, context):
+    def start(self, context: bpy.types.Context) -> Job[Any]:
         footwork = footwork_of(context.scene)
         self._scene = context.scene.name
         self._path = predictor_path(footwork, self.filepath)
@@ -57,7 +59,7 @@ class FOOTWORK_OT_train_predictor(JobOperator, bpy.types.Operator):
             return f"switch Resume on to go on from {kept.name}"
         return JobOperator.after_cancel(self)
 
-    def finish(self, context, result):
+    def finish(self, context: bpy.types.Context, result: Any) -> None:
         footwork = footwork_of(find_scene(self._scene))
         footwork.predictor, footwork.predictor_path = "FILE", paths.stored(str(self._path))
         footwork.trained = in_words(result)

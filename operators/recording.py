@@ -42,19 +42,19 @@ class FOOTWORK_OT_load_recording(FootworkOperator, ImportHelper, bpy.types.Opera
     filter_glob: StringProperty(default="*.csv;*.json;*.bsor", options={"HIDDEN"})
     filename_ext = ".csv"
 
-    def invoke(self, context, event):
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         given = self.properties.is_property_set("filepath")
         return self.execute(context) if given else super().invoke(context, event)
 
-    def work(self, context):
-        _load(self, footwork_of(context.scene), bpy.path.abspath(self.filepath))
+    def work(self, context: bpy.types.Context) -> None:
+        _load(self, footwork_of(context.scene), paths.chosen(self)[0])
 
 
 class RecordingOperator(FootworkOperator):
     """Mixin for operators on the recording's file."""
 
     @classmethod
-    def refusal(cls, context):
+    def refusal(cls, context: bpy.types.Context) -> str:
         footwork = footwork_of(context.scene)
         chosen = footwork.recording_source == "FILE" and footwork.recording_path
         return "" if chosen else "Choose a recording file first"
@@ -67,7 +67,7 @@ class FOOTWORK_OT_inspect_recording(RecordingOperator, bpy.types.Operator):
     bl_label = "Read Recording"
     bl_options = {"INTERNAL"}
 
-    def work(self, context):
+    def work(self, context: bpy.types.Context) -> None:
         _inspect(self, footwork_of(context.scene))
 
 
@@ -78,7 +78,7 @@ class FOOTWORK_OT_show_recording(RecordingOperator, bpy.types.Operator):
     bl_label = "Show Trackers"
     bl_options = {"REGISTER", "UNDO"}
 
-    def work(self, context):
+    def work(self, context: bpy.types.Context) -> None:
         scene = context.scene
         footwork = footwork_of(scene)
         recording = read_recording(bpy.path.abspath(footwork.recording_path), calibrated(footwork))
@@ -101,11 +101,11 @@ class FOOTWORK_OT_simulate_recording(RowOperator, ExportHelper, bpy.types.Operat
     filename_ext = ".csv"
     filter_glob: StringProperty(default="*.csv", options={"HIDDEN"})
 
-    def invoke(self, context, event):
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         self.filepath = paths.beside_blend(f"{Path(bpy.path.abspath(self.active(context).path)).stem}.csv")
         return super().invoke(context, event)
 
-    def work(self, context):
+    def work(self, context: bpy.types.Context) -> None:
         take = load_take(bpy.path.abspath(self.active(context).path))
         write_csv(self.filepath, simulate_recording(take.motion, take.name))
         _load(self, footwork_of(context.scene), self.filepath)
@@ -143,7 +143,7 @@ class FOOTWORK_FH_recording(bpy.types.FileHandler):
     bl_file_extensions = ".csv;.json;.bsor"
 
     @classmethod
-    def poll_drop(cls, context):
+    def poll_drop(cls, context: bpy.types.Context) -> bool:
         return poll_file_object_drop(context)
 
 

@@ -16,14 +16,16 @@ class FOOTWORK_OT_use_active_rig(FootworkOperator, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
-    def refusal(cls, context):
+    def refusal(cls, context: bpy.types.Context) -> str:
         chosen = context.object is not None and context.object.type == "ARMATURE"
         return "" if chosen else "Select an armature first"
 
-    def work(self, context):
-        footwork_of(context.scene).rig = context.object
+    def work(self, context: bpy.types.Context) -> None:
+        obj = context.object
+        assert obj is not None
+        footwork_of(context.scene).rig = obj
         try:
-            armature.armature_to_rig(context.object)
+            armature.armature_to_rig(obj)
         except InputError as error:
             self.report({"WARNING"}, str(error))
 
@@ -36,13 +38,13 @@ class FOOTWORK_OT_reset_roles(FootworkOperator, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
-    def refusal(cls, context):
+    def refusal(cls, context: bpy.types.Context) -> str:
         rig = footwork_of(context.scene).rig
         if rig is None:
             return "Pick a rig first"
         return "" if armature.role_overrides(rig) else "Nothing was set by hand"
 
-    def work(self, context):
+    def work(self, context: bpy.types.Context) -> None:
         armature.set_roles(footwork_of(context.scene).rig, {})
 
 

@@ -1,6 +1,7 @@
 """The list of takes: add, remove, reorder, look at what is in them, show one in the scene."""
 
 from pathlib import Path
+from typing import Any
 
 import bpy
 from bpy.props import CollectionProperty, EnumProperty, IntProperty, StringProperty
@@ -11,6 +12,7 @@ from ..bridge.action import scene_fps
 from ..bridge.lookup import find_scene
 from ..core.database.contact_edits import ContactEdit
 from ..core.errors import InputError
+from ..core.jobs import Job
 from ..core.mocap.takes import load_take
 from ..properties.scene import FOOTWORK_PG_scene, footwork_of
 from . import paths, rows
@@ -32,11 +34,11 @@ class FOOTWORK_OT_add_takes(FootworkOperator, ImportHelper, bpy.types.Operator):
     filter_glob: StringProperty(default="*.bvh", options={"HIDDEN"})
     filename_ext = ".bvh"
 
-    def invoke(self, context, event):
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         # files that were dropped need no file browser
         return self.execute(context) if self.files else super().invoke(context, event)
 
-    def work(self, context):
+    def work(self, context: bpy.types.Context) -> None:
         footwork = footwork_of(context.scene)
         listed = {paths.absolute(take.path) for take in footwork.takes}
         for path in paths.chosen(self):
@@ -45,7 +47,7 @@ class FOOTWORK_OT_add_takes(FootworkOperator, ImportHelper, bpy.types.Operator):
                 row.path, row.name = paths.stored(path), Path(path).stem
                 footwork.take_index = len(footwork.takes) - 1
         mode = "INVOKE_DEFAULT" if self.options.is_invoke else "EXEC_DEFAULT"
-        bpy.ops.footwork.inspect_takes(mode)
+        bpy.ops.footwork.inspect_takes(mode)  # pyright: ignore[reportAttributeAccessIssue]
 
 
 class FOOTWORK_OT_inspect_takes(JobOperator, bpy.types.Operator):
@@ -64,15 +66,15 @@ class FOOTWORK_OT_inspect_takes(JobOperator, bpy.types.Operator):
     )
 
     @classmethod
-    def refusal(cls, context):
+    def refusal(cls, context: bpy.types.Context) -> str:
         return "" if footwork_of(context.scene).takes else "Add takes first"
 
-    def start(self, context):
+    def start(self, context: bpy.types.Context) -> Job[Any]:
         self._scene = context.scene.name
         takes = footwork_of(context.scene).takes
         return _inspect([bpy.path.abspath(t.path) for t in takes if self.which == "ALL" or t.state == "NEW"])
 
-    def finish(self, context, result):
+    def finish(self, context: bpy.types.Context, result: Any) -> None:
         faults = 0
         for take in footwork_of(find_scene(self._scene)).takes:
             if bpy.path.abspath(take.path) in result:
@@ -107,7 +109,7 @@ class FOOTWORK_OT_remove_take(RowOperator, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
     what = "take"
 
-    def work(self, context):
+    def work(self, context: bpy.types.Context) -> None:
         self.remove(context)
 
 
@@ -119,7 +121,7 @@ class FOOTWORK_OT_clear_takes(RowOperator, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
     what = "take"
 
-    def work(self, context):
+    def work(self, context: bpy.types.Context) -> None:
         self.rows(context).clear()
 
 
@@ -133,7 +135,7 @@ class FOOTWORK_OT_move_take(RowOperator, bpy.types.Operator):
 
     step: IntProperty(name="Step", description="Rows to move down by", default=1)
 
-    def work(self, context):
+    def work(self, context: bpy.types.Context) -> None:
         self.move(context, self.step)
 
 
@@ -149,11 +151,11 @@ class FOOTWORK_OT_import_take(FootworkOperator, ImportHelper, bpy.types.Operator
     filter_glob: StringProperty(default="*.bvh", options={"HIDDEN"})
     filename_ext = ".bvh"
 
-    def invoke(self, context, event):
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         given = self.files or self.properties.is_property_set("filepath")
         return self.execute(context) if given else super().invoke(context, event)
 
-    def work(self, context):
+    def work(self, context: bpy.types.Context) -> None:
         scene = context.scene
         footwork = footwork_of(scene)
         shown = []
@@ -192,7 +194,7 @@ class FOOTWORK_FH_takes(bpy.types.FileHandler):
     bl_file_extensions = ".bvh"
 
     @classmethod
-    def poll_drop(cls, context):
+    def poll_drop(cls, context: bpy.types.Context) -> bool:
         return poll_file_object_drop(context)
 
 
@@ -205,7 +207,7 @@ class FOOTWORK_FH_import_take(bpy.types.FileHandler):
     bl_file_extensions = ".bvh"
 
     @classmethod
-    def poll_drop(cls, context):
+    def poll_drop(cls, context: bpy.types.Context) -> bool:
         return poll_file_object_drop(context)
 
 

@@ -29,10 +29,10 @@ class FOOTWORK_PT_bake(Part, bpy.types.Panel):
     bl_idname = "FOOTWORK_PT_bake"
     bl_label = "6  Bake"
 
-    def draw_header_preset(self, context):
+    def draw_header_preset(self, context: bpy.types.Context) -> None:
         FOOTWORK_PT_bake_presets.draw_panel_header(self.layout)
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         layout, footwork = self.layout, footwork_of(context.scene)
         settings = footwork.bake
         idle = () if settings.trajectory == "causal" else CAUSAL_SETTINGS

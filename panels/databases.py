@@ -3,7 +3,7 @@
 import bpy
 
 from ..operators.rows import active
-from ..properties.scene import footwork_of
+from ..properties.scene import FOOTWORK_PG_scene, footwork_of
 from . import text
 from .parts import Part
 
@@ -14,10 +14,10 @@ class FOOTWORK_PT_databases(Part, bpy.types.Panel):
     bl_idname = "FOOTWORK_PT_databases"
     bl_label = "2  Databases"
 
-    def step_icon(self, footwork):
+    def step_icon(self, footwork: FOOTWORK_PG_scene) -> str:
         return "CHECKMARK" if any(row.use for row in footwork.databases) else ""
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         layout, footwork = self.layout, footwork_of(context.scene)
         row = layout.row()
         row.template_list(

@@ -5,7 +5,7 @@ import bpy
 from ..operators import training
 from ..operators.predictor import predictor_path
 from ..properties.preferences import ADD_ON
-from ..properties.scene import footwork_of
+from ..properties.scene import FOOTWORK_PG_scene, footwork_of
 from . import text
 from .parts import Part, job_button, settings_column
 
@@ -17,11 +17,11 @@ class FOOTWORK_PT_predictor(Part, bpy.types.Panel):
     bl_label = "3  Predictor"
     bl_options = {"DEFAULT_CLOSED"}
 
-    def step_icon(self, footwork):
+    def step_icon(self, footwork: FOOTWORK_PG_scene) -> str:
         missing = footwork.predictor == "FILE" and not footwork.predictor_path
         return "" if missing else "CHECKMARK"
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         layout, footwork = self.layout, footwork_of(context.scene)
         layout.use_property_split = True
         layout.use_property_decorate = False

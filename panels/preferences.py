@@ -12,7 +12,7 @@ class FOOTWORK_preferences(Preferences, bpy.types.AddonPreferences):
 
     bl_idname = ADD_ON
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         self.layout.use_property_split = True
         self.layout.prop(self, "training_python", placeholder="Blender's own")
         missing = training.find_trainer(context).missing

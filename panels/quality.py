@@ -1,10 +1,14 @@
 """7: how good the last bake is."""
 
+from typing import Any
+
 import bpy
 
-from ..properties.scene import footwork_of
+from ..properties.scene import FOOTWORK_PG_scene, footwork_of
 from . import overlays, text
 from .parts import Part
+
+RATING_ICONS: dict[str, Any] = {"GOOD": "CHECKMARK", "POOR": "ERROR", "NONE": "BLANK1"}
 
 
 class FOOTWORK_PT_quality(Part, bpy.types.Panel):
@@ -13,12 +17,12 @@ class FOOTWORK_PT_quality(Part, bpy.types.Panel):
     bl_idname = "FOOTWORK_PT_quality"
     bl_label = "7  Quality"
 
-    def step_icon(self, footwork):
+    def step_icon(self, footwork: FOOTWORK_PG_scene) -> str:
         if not footwork.figures:
             return ""
         return "ERROR" if any(row.good == "POOR" for row in footwork.figures) else "CHECKMARK"
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         layout, footwork = self.layout, footwork_of(context.scene)
         if not footwork.figures:
             layout.label(text="Nothing baked yet", icon="INFO")
@@ -27,8 +31,7 @@ class FOOTWORK_PT_quality(Part, bpy.types.Panel):
         column = layout.column(align=True)
         for index, row in enumerate(footwork.figures):
             split = column.split(factor=0.55)
-            icon = {"GOOD": "CHECKMARK", "POOR": "ERROR"}.get(row.good, "BLANK1")
-            split.label(text=row.name, icon=icon)
+            split.label(text=row.name, icon=RATING_ICONS[row.good])
             value = split.row()
             value.alignment = "LEFT"
             value.operator("footwork.explain_figure", text=row.value, emboss=False).index = index

@@ -13,14 +13,14 @@ def register() -> None:
     for cls in CLASSES:
         bpy.utils.register_class(cls)
     setattr(bpy.types.Scene, scene.NAME, PointerProperty(type=scene.FOOTWORK_PG_scene))
-    setattr(bpy.types.Object, scene.NAME, PointerProperty(type=role_map.FOOTWORK_PG_role_map))
+    setattr(bpy.types.Object, role_map.NAME, PointerProperty(type=role_map.FOOTWORK_PG_role_map))
     upgrade.register()
 
 
 def unregister() -> None:
     """Take them away again; what was saved in files stays there."""
     upgrade.unregister()
-    delattr(bpy.types.Object, scene.NAME)
+    delattr(bpy.types.Object, role_map.NAME)
     delattr(bpy.types.Scene, scene.NAME)
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

@@ -6,6 +6,9 @@ from bpy.props import StringProperty
 from ..bridge import armature
 from ..core.body.skeleton import ROLES
 
+NAME = "footwork"
+"""Property of an object that holds it."""
+
 
 def attribute(role: str) -> str:
     """Name of a role's property in the role map: a dot cannot be in one."""
@@ -17,14 +20,20 @@ def role_label(role: str) -> str:
     return role.partition(".")[0].replace("_", " ").capitalize()
 
 
+def _armature_of(group: bpy.types.PropertyGroup) -> bpy.types.Object | None:
+    obj = group.id_data
+    return obj if isinstance(obj, bpy.types.Object) and obj.type == "ARMATURE" else None
+
+
 def _bone_property(role: str):
     def read(self: bpy.types.PropertyGroup) -> str:
-        obj = self.id_data
-        return armature.role_map(obj).get(role, "") if obj.type == "ARMATURE" else ""
+        obj = _armature_of(self)
+        return "" if obj is None else armature.role_map(obj).get(role, "")
 
     def write(self: bpy.types.PropertyGroup, bone: str) -> None:
-        if self.id_data.type == "ARMATURE":
-            armature.set_role(self.id_data, role, bone)
+        obj = _armature_of(self)
+        if obj is not None:
+            armature.set_role(obj, role, bone)
 
     side = {"L": "left ", "R": "right "}.get(role.partition(".")[2], "")
     return StringProperty(
@@ -43,5 +52,11 @@ FOOTWORK_PG_role_map = type(
         "__doc__": "Which bone plays which role: what was detected, until it is set by hand.",
     },
 )
+
+
+def role_map_of(obj: bpy.types.Object) -> bpy.types.PropertyGroup:
+    """The role map of an object, a property under the `attribute` of each role."""
+    return getattr(obj, NAME)
+
 
 CLASSES = (FOOTWORK_PG_role_map,)

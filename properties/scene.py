@@ -22,7 +22,7 @@ from .settings_groups import (
 from .version import Versioned
 
 NAME = "footwork"
-"""Property of a scene that holds all of it; the role map has the same name in objects."""
+"""Property of a scene that holds all of it."""
 OVERLAYS_NAME = "overlays"
 """Property of the scene's group that holds the overlays' toggles; the panels make it from their registry."""
 
@@ -37,7 +37,7 @@ def has_surface(self: bpy.types.PropertyGroup, obj: bpy.types.Object) -> bool:
     return obj.type in SURFACES
 
 
-def forget_recording(self: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
+def forget_recording(self: "FOOTWORK_PG_scene", context: bpy.types.Context) -> None:
     """What was found belongs to the file that was read."""
     self.recording_state = "NEW"
     self.recording_found = self.recording_doubts = ""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import bpy
 from bpy.props import BoolProperty, PointerProperty
@@ -23,7 +24,8 @@ class Overlay:
     default: bool
     draw: Callable[[bpy.types.Context], None]
     """Draws in a viewport's main region, in pixels from its lower left corner; nothing where it has nothing to show."""
-    icon: str = "OVERLAY"
+    icon: Any = "OVERLAY"
+    """Name of one of Blender's icons."""
 
 
 OVERLAYS = (

@@ -180,5 +180,6 @@ def paint(drawing: Drawing, scale: float) -> None:
         blf.draw(0, text.words)
 
 
-def _places(points: Array) -> Array:
+def _places(points: Array) -> Any:
+    """Points as the gpu module takes them, whose stubs know no arrays."""
     return np.column_stack([points, np.zeros(len(points))]).astype(np.float32)
