@@ -81,7 +81,7 @@ def _surface_tree(objects: Iterable[bpy.types.Object]) -> tuple[BVHTree | None, 
     modifiers, None where there are none; and a height above all of it."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
     vertices: list[Array] = []
-    triangles: list[NDArray[np.intp]] = []
+    triangles: list[NDArray[np.integer[Any]]] = []
     offset = 0
     for obj in objects:
         evaluated = obj.evaluated_get(depsgraph)
