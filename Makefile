@@ -43,6 +43,7 @@ lint: $(VENV)/.dev
 	$(VENV)/bin/ruff check .
 	$(VENV)/bin/ruff format --check .
 	$(VENV)/bin/pyright
+	$(VENV)/bin/pyright -p tools/pyright_blender.json --pythonpath $(PY)
 
 test-core: $(VENV)/.dev
 	timeout -k 5 1500 $(PY) -m pytest tests --ignore=tests/blender --hypothesis-profile=ci

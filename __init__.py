@@ -7,8 +7,9 @@ def register() -> None:
     """Add Footwork to Blender."""
     import bpy
 
-    from . import operators, panels
+    from . import operators, panels, properties
 
+    properties.register()
     operators.register()
     panels.register()
     _commands.append(bpy.utils.register_cli_command("footwork", _command))
@@ -18,11 +19,12 @@ def unregister() -> None:
     """Take Footwork out of Blender again, leaving nothing behind."""
     import bpy
 
-    from . import operators, panels
+    from . import operators, panels, properties
 
     bpy.utils.unregister_cli_command(_commands.pop())
     panels.unregister()
     operators.unregister()
+    properties.unregister()
 
 
 def _command(arguments: list[str]) -> int:

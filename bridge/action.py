@@ -87,6 +87,7 @@ def new_action(obj: bpy.types.Object, name: str) -> bpy.types.Action:
 def key_pose(obj: bpy.types.Object, tracks: BoneTracks, fps: float, frame_start: float) -> None:
     """Key pose tracks in the new action of an armature object that has all their bones (see `write_action`)."""
     action = obj.animation_data.action
+    assert action is not None
     _rest_between(obj, tracks.bones)
     frames = frame_start + np.arange(len(tracks.rotations)) * (fps / tracks.fps)
     hips = obj.pose.bones[tracks.bones[0]]

@@ -108,7 +108,7 @@ def rig_doubts(obj: bpy.types.Object) -> tuple[str, ...]:
     """One line for each thing on the armature that will show in, or spoil, a bake."""
     mapped = [obj.pose.bones[bone] for bone in role_map(obj).values() if bone in obj.pose.bones]
     doubts = [*families().skipped, *detected_preset(obj)[1]]
-    if obj.data.pose_position == "REST":
+    if _armature(obj).pose_position == "REST":
         doubts.append("It is shown in rest position and will not move: switch to pose position")
     if any(not constraint.mute for constraint in obj.constraints):
         doubts.append("Constraints act on the object: where they move it, the bake goes along")
@@ -158,7 +158,7 @@ def create_armature(
     bpy.ops.object.mode_set(mode="EDIT")
     bones = []
     for index, bone in enumerate(rig.bones):
-        edit = obj.data.edit_bones.new(bone)
+        edit = _armature(obj).edit_bones.new(bone)
         length = float(np.linalg.norm(rig.tails[index] - rig.rest[index, :3, 3]))
         # Blender drops bones without length when edit mode is left
         edit.tail = (0.0, max(length, 1e-3), 0.0)
@@ -176,12 +176,17 @@ def create_armature(
     return obj
 
 
+def _armature(obj: bpy.types.Object) -> bpy.types.Armature:
+    assert isinstance(obj.data, bpy.types.Armature)
+    return obj.data
+
+
 def _hierarchy(
     obj: bpy.types.Object,
 ) -> tuple[tuple[str, ...], tuple[int, ...], list[bpy.types.Bone]]:
     if obj.type != "ARMATURE":
         raise InputError(f"{obj.name}: it is a {obj.type.lower()}, not an armature")
-    bones = list(obj.data.bones)
+    bones = list(_armature(obj).bones)
     index = {bone.name: number for number, bone in enumerate(bones)}
     parents = [-1 if bone.parent is None else index[bone.parent.name] for bone in bones]
     # Blender lists bones from the roots down
@@ -213,9 +218,9 @@ def _as_moved(
 def _copied(obj: bpy.types.Object, bone: bpy.types.PoseBone) -> str:
     """The bone of the same rest pose that this one does nothing but copy, "" for none."""
     active = [c for c in bone.constraints if not c.mute and c.influence > 0.0]
-    if len(active) != 1 or active[0].type != "COPY_TRANSFORMS" or active[0].influence < 1.0:
+    copy = active[0] if len(active) == 1 else None
+    if not isinstance(copy, bpy.types.CopyTransformsConstraint) or copy.influence < 1.0:
         return ""
-    (copy,) = active
     leader = obj.pose.bones.get(copy.subtarget) if copy.target == obj else None
     if (
         leader is None
@@ -223,7 +228,7 @@ def _copied(obj: bpy.types.Object, bone: bpy.types.PoseBone) -> str:
         or {copy.owner_space, copy.target_space} - {"WORLD", "POSE"}
     ):
         return ""
-    same = np.allclose(leader.bone.matrix_local, bone.bone.matrix_local, atol=1e-4)
+    same = np.allclose(np.array(leader.bone.matrix_local), np.array(bone.bone.matrix_local), atol=1e-4)
     return leader.name if same else ""
 
 

@@ -4,14 +4,21 @@ from __future__ import annotations
 
 import bpy
 
-LINEAR: int = bpy.types.Keyframe.bl_rna.properties["interpolation"].enum_items["LINEAR"].value
+
+def _interpolation(name: str) -> int:
+    prop = bpy.types.Keyframe.bl_rna.properties["interpolation"]
+    assert isinstance(prop, bpy.types.EnumProperty)
+    return prop.enum_items[name].value
+
+
+LINEAR = _interpolation("LINEAR")
 """Number of linear interpolation, for `foreach_set`."""
-CONSTANT: int = bpy.types.Keyframe.bl_rna.properties["interpolation"].enum_items["CONSTANT"].value
+CONSTANT = _interpolation("CONSTANT")
 """Number of constant interpolation, likewise."""
 
 
 def ensure_fcurve(
-    action: bpy.types.Action, owner: bpy.types.ID, path: str, index: int, group: str
+    action: bpy.types.Action, owner: bpy.types.Object, path: str, index: int, group: str
 ) -> bpy.types.FCurve:
     """The action's F-curve of one property of `owner`, made where it is missing.
 
@@ -22,13 +29,17 @@ def ensure_fcurve(
     if bpy.app.version >= (4, 4, 0):
         curve = action.fcurve_ensure_for_datablock(owner, path, index=index)
         if curve.group is None:
-            bag = action.layers[0].strips[0].channelbag(owner.animation_data.action_slot)
+            strip = action.layers[0].strips[0]
+            assert isinstance(strip, bpy.types.ActionKeyframeStrip)
+            bag = strip.channelbag(owner.animation_data.action_slot)
             curve.group = bag.groups.get(group) or bag.groups.new(group)
         return curve
-    return action.fcurves.find(path, index=index) or action.fcurves.new(path, index=index, action_group=group)
+    # the stubs are of a Blender whose actions have no curves of their own any more
+    curves = action.fcurves  # pyright: ignore[reportAttributeAccessIssue]
+    return curves.find(path, index=index) or curves.new(path, index=index, action_group=group)
 
 
-def assign_action(owner: bpy.types.ID, action: bpy.types.Action) -> None:
+def assign_action(owner: bpy.types.Object, action: bpy.types.Action) -> None:
     """Make `action` the owner's, with its slot where actions have slots, so that it plays."""
     data = owner.animation_data_create()
     data.action = action
@@ -36,17 +47,18 @@ def assign_action(owner: bpy.types.ID, action: bpy.types.Action) -> None:
         data.action_slot = data.action_suitable_slots[0]
 
 
-def fcurves_of(owner: bpy.types.ID) -> list[bpy.types.FCurve]:
+def fcurves_of(owner: bpy.types.Object) -> list[bpy.types.FCurve]:
     """The F-curves that animate `owner` through its action."""
     data = owner.animation_data
     if data is None or data.action is None:
         return []
     if bpy.app.version < (4, 4, 0):
-        return list(data.action.fcurves)
+        return list(data.action.fcurves)  # pyright: ignore[reportAttributeAccessIssue]
     return [
         curve
         for layer in data.action.layers
         for strip in layer.strips
+        if isinstance(strip, bpy.types.ActionKeyframeStrip)
         for bag in strip.channelbags
         if bag.slot_handle == data.action_slot_handle
         for curve in bag.fcurves

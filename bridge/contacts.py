@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import bpy
 import numpy as np
 from numpy.typing import NDArray
@@ -33,15 +35,18 @@ def key_contacts(
         fps: the scene's true frame rate.
         frame_start: frame of the first key.
     """
+    action = obj.animation_data.action
+    assert action is not None
     for column, side in enumerate(SIDES):
         states, name = contacts[:, column], property_of(side)
         # booleans are held between keys in whatever way those were made
         obj[name] = bool(states[0])
-        obj.id_properties_ui(name).update(
+        shown: Any = obj.id_properties_ui(name)
+        shown.update(
             description=f"The {_FEET[side]} foot is on the ground; edit the keys, then press Use Edited Contacts"
         )
         path = f'["{name}"]'
-        curve = compat.ensure_fcurve(obj.animation_data.action, obj, path, 0, "Contacts")
+        curve = compat.ensure_fcurve(action, obj, path, 0, "Contacts")
         frames = np.flatnonzero(np.diff(states, prepend=~states[:1]))
         fill_curve(curve, frame_start + frames, states[frames], compat.CONSTANT)
         curve.update_autoflags(obj)

@@ -56,7 +56,7 @@ def _ground(tree: BVHTree, top: float, metres_per_unit: float) -> Ground:
         down = Vector((0.0, 0.0, -1.0))
         for index, (x, y) in enumerate((points / metres_per_unit).tolist()):
             place, normal, _, _ = tree.ray_cast(Vector((x, y, top)), down)
-            if place is not None:
+            if place is not None and normal is not None:
                 heights[index] = place.z * metres_per_unit
                 normals[index] = normal if normal.z >= 0.0 else -normal
         return heights, normals
@@ -81,7 +81,7 @@ def _surface_tree(objects: Iterable[bpy.types.Object]) -> tuple[BVHTree | None, 
     modifiers, None where there are none; and a height above all of it."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
     vertices: list[Array] = []
-    triangles: list[NDArray[np.intp]] = []
+    triangles: list[NDArray[np.integer[Any]]] = []
     offset = 0
     for obj in objects:
         evaluated = obj.evaluated_get(depsgraph)

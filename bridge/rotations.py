@@ -51,7 +51,7 @@ def axis_angle(rotations: Array) -> Array:
     vector = rotations[:, 1:]
     sine = np.linalg.norm(vector, axis=-1)
     turned = sine > 1e-6
-    axis = vector / np.maximum(sine, 1e-6)[:, None]
+    axis: Array = vector / np.maximum(sine, 1e-6)[:, None]
     last = np.maximum.accumulate(np.where(turned, np.arange(len(sine)), -1))
     first = int(np.argmax(turned)) if turned.any() else -1
     axis = np.array([0.0, 1.0, 0.0]) if first < 0 else axis[np.where(last < 0, first, last)]

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import fields
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import bpy
 
 from ..core.settings import check
 
-Settings = TypeVar("Settings")
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+Settings = TypeVar("Settings", bound="DataclassInstance")
 
 
 def read_settings(properties: bpy.types.PropertyGroup, settings: type[Settings]) -> Settings:
@@ -32,8 +35,13 @@ def read_settings(properties: bpy.types.PropertyGroup, settings: type[Settings])
     return result
 
 
-def _as_typed(value: float, default: float, low: float | None, high: float | None) -> float:
-    typed = float(f"{value:.7g}")
-    if typed == float(f"{default:.7g}"):
+def typed(value: float) -> float:
+    """A number as it was typed: Blender's properties hold single precision."""
+    return float(f"{value:.7g}")
+
+
+def _as_typed(value: float, default: Any, low: float | None, high: float | None) -> float:
+    number = typed(value)
+    if number == typed(default):
         return default
-    return min(max(typed, -1e30 if low is None else low), 1e30 if high is None else high)
+    return min(max(number, -1e30 if low is None else low), 1e30 if high is None else high)

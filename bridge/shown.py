@@ -12,7 +12,7 @@ from ..core.maths import quat
 from ..core.pipeline import BakeResult
 from ..core.rig.fit import fit_rig
 from .armature import armature_to_rig
-from .files import open_target
+from .targets import open_target
 
 Array = NDArray[np.floating[Any]]
 

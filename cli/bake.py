@@ -19,6 +19,8 @@ NO_BPY = "bake writes Blender files: run it in Blender, or install the Python mo
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
+    from ..bridge import exports
+
     parser.add_argument("recording", metavar="RECORDING", help="the three trackers, in any known format")
     parser.add_argument(
         "--rig", metavar="FILE[:OBJECT]", help=".blend, .fbx, .glb or .vrm; default: the database's skeleton"
@@ -30,7 +32,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("-o", "--output", required=True, metavar="OUT.blend", help="the file to write")
     parser.add_argument(
-        "--export", action="append", default=[], metavar="FILE", help="also write .fbx, .glb or .bvh"
+        "--export", action="append", default=[], metavar="FILE", help=f"also write {exports.in_words()}"
     )
     parser.add_argument(
         "--eye-height", type=float, metavar="M", help="standing eye height, m (default: the recording's)"
@@ -68,23 +70,24 @@ def _add_part(parser: argparse.ArgumentParser) -> None:
 def _run(options: argparse.Namespace) -> Report:
     """An animated rig from a recording, written as a Blender file."""
     with needing("bpy", NO_BPY):
-        from ..bridge import files
+        from ..bridge import load, targets
+    from ..bridge import exports
     from ..core.pipeline import bake, report_in_words
 
     settings = read_settings(options, BakeSettings)
-    files.check_targets([options.output, *options.export])
+    exports.check_targets(options.export)
     if options.fps is not None and not 1.0 <= options.fps <= 1000.0:
         raise InputError(f"--fps {options.fps:g}: give frames per second, such as 24")
     recording = _read_recording(options)
     databases = load_databases(options.database)
     predict = choose_predictor(options.predictor)
     fps = options.fps or databases[0].fps
-    target = files.open_target(options.rig, fps)
+    target = targets.open_target(options.rig, fps)
     for doubt in target.doubts:
         print(f"{target.name}: doubtful: {doubt}", file=sys.stderr)
     ground = target.ground(options.ground) if options.ground else None
     result = run(bake(recording, databases, predict, target.rig, settings, output_fps=fps, ground=ground))
-    rig, ground_file = (files.split_rig(path)[0] if path else None for path in (options.rig, options.ground))
+    rig, ground_file = (load.split_rig(path)[0] if path else None for path in (options.rig, options.ground))
     result.report["inputs"] += _more_inputs(options.predictor, rig, ground_file)
     target.write(result, Path(options.recording).stem)
     target.save(options.output, options.export)

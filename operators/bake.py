@@ -3,6 +3,7 @@
 import json
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import bpy
 
@@ -11,11 +12,11 @@ from ..bridge.action import check_writable, scene_fps, write_action
 from ..bridge.ground import chosen_ground
 from ..bridge.lookup import find_object, find_scene, metres_per_unit
 from ..bridge.objects import recording_from_objects
-from ..bridge.settings import read_settings
+from ..bridge.settings import read_settings, typed
 from ..core import pipeline
 from ..core.database.sidecar import load_database
 from ..core.errors import InputError
-from ..core.jobs import part
+from ..core.jobs import Job, part
 from ..core.recording.cut import cut
 from ..core.recording.read import read_recording
 from ..core.recording.recording import Recording
@@ -23,7 +24,8 @@ from ..core.rig.ground import Ground
 from ..core.rig.rig import Rig
 from ..core.settings import BakeSettings
 from ..nn import predictor
-from . import figures, files
+from ..properties.scene import footwork_of
+from . import figures
 from .job_operator import JobOperator
 from .recording import calibrated, wanted_part
 
@@ -60,8 +62,8 @@ class FOOTWORK_OT_bake(JobOperator, bpy.types.Operator):
     title = "Baking"
 
     @classmethod
-    def refusal(cls, context):
-        footwork = context.scene.footwork
+    def refusal(cls, context: bpy.types.Context) -> str:
+        footwork = footwork_of(context.scene)
         if footwork.recording_source == "FILE" and not footwork.recording_path:
             return "Choose a recording first"
         if footwork.recording_source == "OBJECTS" and footwork.head is None:
@@ -72,9 +74,10 @@ class FOOTWORK_OT_bake(JobOperator, bpy.types.Operator):
             return "Choose a predictor file, or use the built-in one"
         return ""
 
-    def start(self, context):
+    def start(self, context: bpy.types.Context) -> Job[Any]:
         scene = context.scene
-        footwork, rig = scene.footwork, scene.footwork.rig
+        footwork = footwork_of(scene)
+        rig = footwork.rig
         if rig is not None:
             check_writable(rig)
             if rig.name not in scene.objects:
@@ -85,9 +88,9 @@ class FOOTWORK_OT_bake(JobOperator, bpy.types.Operator):
         self._name = footwork.action_name
         return _bake(read_source(scene))
 
-    def finish(self, context, result):
+    def finish(self, context: bpy.types.Context, result: Any) -> None:
         scene = find_scene(self._scene)
-        footwork, unit = scene.footwork, metres_per_unit(scene)
+        footwork, unit = footwork_of(scene), metres_per_unit(scene)
         if self._rig is None:
             collection = context.collection if context.scene == scene else scene.collection
             rig = armature.create_armature(result.rig, "Avatar", collection, unit)
@@ -121,7 +124,7 @@ class FOOTWORK_OT_bake(JobOperator, bpy.types.Operator):
 
 def read_source(scene: bpy.types.Scene) -> Source:
     """All inputs of a bake; objects of the scene are sampled here."""
-    footwork = scene.footwork
+    footwork = footwork_of(scene)
     for row in footwork.databases:
         if row.use and row.height_low >= row.height_high:
             raise InputError(f"{row.name}: its height range is empty; From must be less than To")
@@ -143,7 +146,7 @@ def read_source(scene: bpy.types.Scene) -> Source:
         eye_height=calibrated(footwork),
         part=wanted_part(footwork),
         databases=tuple(
-            (bpy.path.abspath(row.path), (files.typed(row.height_low), files.typed(row.height_high)))
+            (bpy.path.abspath(row.path), (typed(row.height_low), typed(row.height_high)))
             for row in footwork.databases
             if row.use
         ),

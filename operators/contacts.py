@@ -15,21 +15,23 @@ from ..core.database.contact_edits import (
     parse_contact_edit,
 )
 from ..core.database.contacts import detect_contacts, resample_contacts
-from ..core.errors import InputError
 from ..core.mocap.take import Take
 from ..core.mocap.takes import load_take
 from ..core.settings import DatabaseSettings
-from . import files
+from ..properties.rows import FOOTWORK_PG_take
+from ..properties.scene import FOOTWORK_PG_scene, footwork_of
+from . import paths
+from .rows import RowOperator, listed
 
 
-def edits_of_row(row: bpy.types.PropertyGroup) -> list[ContactEdit]:
+def edits_of_row(row: FOOTWORK_PG_take) -> list[ContactEdit]:
     """What a row of the list of takes says under Contacts."""
     path = bpy.path.abspath(row.path)
-    return [parse_contact_edit(f"{path}:{text}") for text in files.listed(row.contacts)]
+    return [parse_contact_edit(f"{path}:{text}") for text in listed(row.contacts)]
 
 
 def contacts_to_show(
-    take: Take, footwork: bpy.types.PropertyGroup, fps: float, edits: list[ContactEdit]
+    take: Take, footwork: FOOTWORK_PG_scene, fps: float, edits: list[ContactEdit]
 ) -> NDArray[np.bool_]:
     """Contacts `(T, 2)` of a take at `fps`: as detected with the scene's settings, with `edits` over them."""
     settings = read_settings(footwork.database_settings, DatabaseSettings)
@@ -38,41 +40,34 @@ def contacts_to_show(
     return resample_contacts(edit_contacts(detected, edits, settings.fps), settings.fps, fps)
 
 
-class FOOTWORK_OT_use_edited_contacts(bpy.types.Operator):
+class FOOTWORK_OT_use_edited_contacts(RowOperator, bpy.types.Operator):
     """Take the foot contacts of the selected take from the keys of contact_L and contact_R on its armature"""
 
     bl_idname = "footwork.use_edited_contacts"
     bl_label = "Use Edited Contacts"
     bl_options = {"REGISTER", "UNDO"}
+    what = "take"
 
     @classmethod
-    def poll(cls, context):
-        footwork = context.scene.footwork
-        row = files.active(footwork.takes, footwork.take_index)
+    def refusal(cls, context: bpy.types.Context) -> str:
+        row = cls.active(context)
         if row is None:
-            return files.poll_active(cls, footwork.takes, "take")
-        if files.absolute(keyed.shown_take(context.object)) != files.absolute(row.path):
-            cls.poll_message_set(f"Select the armature that Show Take in Scene made of {row.name}")
-            return False
-        return True
+            return super().refusal(context)
+        if paths.absolute(keyed.shown_take(context.object)) != paths.absolute(row.path):
+            return f"Select the armature that Show Take in Scene made of {row.name}"
+        return ""
 
-    def execute(self, context):
-        footwork, obj = context.scene.footwork, context.object
-        row = files.active(footwork.takes, footwork.take_index)
-        try:
-            take = load_take(bpy.path.abspath(row.path))
-            fps = keyed.shown_rate(obj)
-            detected = contacts_to_show(take, footwork, fps, [])
-            edits = find_contact_edits(take.name, keyed.read_contacts(obj, len(detected)), detected, fps)
-        except InputError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+    def work(self, context: bpy.types.Context) -> None:
+        row, obj = self.active(context), context.object
+        assert obj is not None
+        take, fps = load_take(bpy.path.abspath(row.path)), keyed.shown_rate(obj)
+        detected = contacts_to_show(take, footwork_of(context.scene), fps, [])
+        edits = find_contact_edits(take.name, keyed.read_contacts(obj, len(detected)), detected, fps)
         row.contacts = ", ".join(edit.within_take for edit in edits)
         found = "all contacts are as detected"
         if edits:
             found = f"{len(edits)} stretch{'es' * (len(edits) > 1)} not as detected; build the database to use them"
         self.report({"INFO"}, f"{take.name}: {found}")
-        return {"FINISHED"}
 
 
 CLASSES = (FOOTWORK_OT_use_edited_contacts,)

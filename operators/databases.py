@@ -1,6 +1,7 @@
 """Motion databases: build one from the takes, and the list of those that a bake uses."""
 
 from pathlib import Path
+from typing import Any
 
 import bpy
 from bpy.props import CollectionProperty, IntProperty, StringProperty
@@ -11,14 +12,18 @@ from ..bridge.settings import read_settings
 from ..core.database.build import build_database
 from ..core.database.clips import parse_exclusion
 from ..core.database.describe import describe_database
+from ..core.database.motion_database import MotionDatabase
 from ..core.database.sidecar import load_database, save_database
 from ..core.errors import InputError
-from ..core.jobs import part
+from ..core.jobs import Job, part
 from ..core.mocap.takes import load_take
 from ..core.settings import DatabaseSettings
-from . import files
+from ..properties.scene import FOOTWORK_PG_scene, footwork_of
+from . import paths, rows
+from .base import FootworkOperator
 from .contacts import edits_of_row
 from .job_operator import JobOperator
+from .rows import RowOperator
 
 
 class FOOTWORK_OT_build_database(JobOperator, bpy.types.Operator):
@@ -38,8 +43,8 @@ class FOOTWORK_OT_build_database(JobOperator, bpy.types.Operator):
     )
 
     @classmethod
-    def refusal(cls, context):
-        takes = context.scene.footwork.takes
+    def refusal(cls, context: bpy.types.Context) -> str:
+        takes = footwork_of(context.scene).takes
         if not takes:
             return "Add takes first"
         return (
@@ -48,30 +53,29 @@ class FOOTWORK_OT_build_database(JobOperator, bpy.types.Operator):
             else "Tick at least one usable take"
         )
 
-    def start(self, context):
-        footwork = context.scene.footwork
+    def start(self, context: bpy.types.Context) -> Job[Any]:
+        footwork = footwork_of(context.scene)
         self._scene = context.scene.name
         settings = read_settings(footwork.database_settings, DatabaseSettings)
         if settings.height_low >= settings.height_high:
             raise InputError("the height range is empty: From must be less than To")
         self._path = database_path(footwork, self.filepath)
-        rows = [take for take in footwork.takes if take.use and take.state != "FAULT"]
-        takes = [bpy.path.abspath(take.path) for take in rows]
+        used = [take for take in footwork.takes if take.use and take.state != "FAULT"]
+        takes = [bpy.path.abspath(take.path) for take in used]
         exclude = [
             parse_exclusion(f"{path}:{text}")
-            for path, take in zip(takes, rows, strict=True)
-            for text in files.listed(take.leave_out)
+            for path, take in zip(takes, used, strict=True)
+            for text in rows.listed(take.leave_out)
         ]
-        contact_edits = [edit for take in rows for edit in edits_of_row(take)]
-        tags = tuple(files.listed(footwork.database_tags))
+        contact_edits = [edit for take in used for edit in edits_of_row(take)]
+        tags = tuple(rows.listed(footwork.database_tags))
         skeleton = bpy.path.abspath(footwork.database_skeleton)
         return _build(takes, settings, self._path, tags, exclude, contact_edits, skeleton)
 
-    def finish(self, context, result):
+    def finish(self, context: bpy.types.Context, result: Any) -> None:
         database, doubts = result
         save_database(self._path, database)
-        scene = find_scene(self._scene)
-        _show(scene.footwork, self._path, database)
+        _show(footwork_of(find_scene(self._scene)), self._path, database)
         for doubt in doubts:
             self.report({"WARNING"}, doubt)
         minutes = len(database) / database.fps / 60
@@ -81,21 +85,17 @@ class FOOTWORK_OT_build_database(JobOperator, bpy.types.Operator):
         )
 
 
-def database_path(footwork: bpy.types.PropertyGroup, override: str = "") -> Path:
-    """Where the next database is written: as said, or a name after the .blend beside it."""
-    said = override or footwork.database_path
-    if said:
-        return Path(bpy.path.abspath(said)).with_suffix(".npz")
-    stem = Path(bpy.data.filepath).stem if bpy.data.filepath else "footwork"
-    return Path(files.beside_blend(f"{stem}_database.npz"))
+def database_path(footwork: FOOTWORK_PG_scene, override: str = "") -> Path:
+    """Where the next database is written."""
+    return paths.output(override or footwork.database_path, "database")
 
 
-def _build(paths, settings, target, tags, exclude, contact_edits, skeleton):
+def _build(files, settings, target, tags, exclude, contact_edits, skeleton):
     if not target.parent.is_dir():
         raise InputError(f"{target.parent}: no such folder; choose another file under Save As")
     takes, doubts = [], []
-    for number, path in enumerate(paths):
-        yield 0.5 * number / len(paths), f"Reading {Path(path).name}"
+    for number, path in enumerate(files):
+        yield 0.5 * number / len(files), f"Reading {Path(path).name}"
         take = load_take(path, settings.fps)
         takes.append(take)
         doubts.extend(f"{take.name}: {doubt}" for doubt in take.doubts)
@@ -112,11 +112,11 @@ def _build(paths, settings, target, tags, exclude, contact_edits, skeleton):
     return database, doubts
 
 
-def _show(footwork, path: Path, database) -> None:
+def _show(footwork: FOOTWORK_PG_scene, path: Path, database: MotionDatabase) -> None:
     """Put a database in the list, over its older version where the file is in it already."""
-    rows = [row for row in footwork.databases if Path(bpy.path.abspath(row.path)) == path]
-    row = rows[0] if rows else footwork.databases.add()
-    row.path, row.name = files.stored(str(path)), database.name
+    known = [row for row in footwork.databases if Path(bpy.path.abspath(row.path)) == path]
+    row = known[0] if known else footwork.databases.add()
+    row.path, row.name = paths.stored(str(path)), database.name
     row.height_low, row.height_high = database.height_range
     row.state, row.seconds = "OK", len(database) / database.fps
     described = describe_database(database)
@@ -148,7 +148,7 @@ def _lines(described: dict) -> list[tuple[str, str]]:
     ]
 
 
-class FOOTWORK_OT_add_database(bpy.types.Operator, ImportHelper):
+class FOOTWORK_OT_add_database(FootworkOperator, ImportHelper, bpy.types.Operator):
     """Add motion databases that were built before"""
 
     bl_idname = "footwork.add_database"
@@ -160,51 +160,36 @@ class FOOTWORK_OT_add_database(bpy.types.Operator, ImportHelper):
     filter_glob: StringProperty(default="*.npz", options={"HIDDEN"})
     filename_ext = ".npz"
 
-    def execute(self, context):
-        try:
-            loaded = [(Path(path), load_database(path)) for path in files.chosen(self)]
-        except InputError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+    def work(self, context: bpy.types.Context) -> None:
+        loaded = [(Path(path), load_database(path)) for path in paths.chosen(self)]
         for path, database in loaded:
-            _show(context.scene.footwork, path, database)
-        return {"FINISHED"}
+            _show(footwork_of(context.scene), path, database)
 
 
-class FOOTWORK_OT_remove_database(bpy.types.Operator):
+class FOOTWORK_OT_remove_database(RowOperator, bpy.types.Operator):
     """Take the selected database off the list; its file stays"""
 
     bl_idname = "footwork.remove_database"
     bl_label = "Remove Database"
     bl_options = {"REGISTER", "UNDO"}
+    what = "database"
 
-    @classmethod
-    def poll(cls, context):
-        return files.poll_active(cls, context.scene.footwork.databases, "database")
-
-    def execute(self, context):
-        footwork = context.scene.footwork
-        footwork.database_index = files.remove_active(footwork.databases, footwork.database_index)
-        return {"FINISHED"}
+    def work(self, context: bpy.types.Context) -> None:
+        self.remove(context)
 
 
-class FOOTWORK_OT_move_database(bpy.types.Operator):
+class FOOTWORK_OT_move_database(RowOperator, bpy.types.Operator):
     """Move the selected database in the list: where height ranges overlap, the upper one is used"""
 
     bl_idname = "footwork.move_database"
     bl_label = "Move Database"
     bl_options = {"REGISTER", "UNDO"}
+    what = "database"
 
     step: IntProperty(name="Step", description="Rows to move down by", default=1)
 
-    @classmethod
-    def poll(cls, context):
-        return files.poll_active(cls, context.scene.footwork.databases, "database")
-
-    def execute(self, context):
-        footwork = context.scene.footwork
-        footwork.database_index = files.move_active(footwork.databases, footwork.database_index, self.step)
-        return {"FINISHED"}
+    def work(self, context: bpy.types.Context) -> None:
+        self.move(context, self.step)
 
 
 CLASSES = (

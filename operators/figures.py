@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from ..core.measure.catalogue import METRICS
 from ..core.measure.metric import Metric
+from ..properties.scene import FOOTWORK_PG_scene, footwork_of
+from .base import FootworkOperator
 
 IN_SHORT = ("root_error_cm", "yaw_error_deg", "foot_skate_cm_s")
 """The metrics of the status bar."""
@@ -70,7 +72,7 @@ def read_over_time(text: str) -> OverTime:
     return OverTime(kept["frame_start"], kept["fps"], kept["seconds"], kept["step_s"], rows)
 
 
-def show(footwork: bpy.types.PropertyGroup, report: dict, title: str, fps: float) -> None:
+def show(footwork: FOOTWORK_PG_scene, report: dict, title: str, fps: float) -> None:
     """Fill the Quality panel; `fps` is the action's rate."""
     footwork.over_time = over_time(report, footwork.frame_start, fps)
     metrics = report["metrics"]
@@ -119,7 +121,7 @@ def _speed(report: dict):
         yield "Speed", f"{recorded / spent:.0f}x real time", text
 
 
-class FOOTWORK_OT_explain_figure(bpy.types.Operator):
+class FOOTWORK_OT_explain_figure(FootworkOperator, bpy.types.Operator):
     """Say what the figure means"""
 
     bl_idname = "footwork.explain_figure"
@@ -130,14 +132,13 @@ class FOOTWORK_OT_explain_figure(bpy.types.Operator):
 
     @classmethod
     def description(cls, context, properties):
-        return explanation(context.scene.footwork, properties.index)
+        return explanation(footwork_of(context.scene), properties.index)
 
-    def execute(self, context):
-        self.report({"INFO"}, explanation(context.scene.footwork, self.index))
-        return {"FINISHED"}
+    def work(self, context: bpy.types.Context) -> None:
+        self.report({"INFO"}, explanation(footwork_of(context.scene), self.index))
 
 
-def explanation(footwork: bpy.types.PropertyGroup, index: int) -> str:
+def explanation(footwork: FOOTWORK_PG_scene, index: int) -> str:
     """Meaning and spread of a line of the Quality panel."""
     if not 0 <= index < len(footwork.figures):
         return ""

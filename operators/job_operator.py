@@ -8,8 +8,9 @@ from typing import Any
 
 import bpy
 
-from ..core.errors import InputError
 from ..core.jobs import Job, run
+from ..properties.upgrade import upgrade_all
+from .base import FootworkOperator
 
 SLICE_S = (0.025, 0.25)
 """Least and most time for the job in one timer tick: as long as Blender took since the last one, so that slow drawing
@@ -32,7 +33,7 @@ running: Running | None = None
 """The job in progress, if any; there is never more than one."""
 
 
-class JobOperator:
+class JobOperator(FootworkOperator):
     """Mixin for operators over a core job.
 
     `start` reads everything from Blender into plain data and returns the job; `finish` writes its result. Between them
@@ -46,18 +47,11 @@ class JobOperator:
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
+        """Enabled unless a job runs, or there is another reason against it."""
         if running is not None:
             cls.poll_message_set(f"{running.title} is still running")
             return False
-        reason = cls.refusal(context)
-        if reason:
-            cls.poll_message_set(reason)
-        return not reason
-
-    @classmethod
-    def refusal(cls, context: bpy.types.Context) -> str:
-        """Why the button is disabled, "" where it is not."""
-        return ""
+        return super().poll(context)
 
     def start(self, context: bpy.types.Context) -> Job[Any]:
         """The job, made of plain data."""
@@ -71,27 +65,21 @@ class JobOperator:
         """What a user who cancelled should know."""
         return "nothing was changed"
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def work(self, context: bpy.types.Context) -> None:
         """Run straight through, as scripts and background mode do."""
-        try:
-            result = run(self.start(context), _printer(self.title) if bpy.app.background else None)
-            self.finish(context, result)
-        except InputError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        return {"FINISHED"}
+        self.finish(context, run(self.start(context), _printer(self.title) if bpy.app.background else None))
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event | None) -> set[str]:
         """Run in the background of the user interface."""
-        global running
         # Blender never runs modal handlers without a window
         if bpy.app.background or context.window is None:
             return self.execute(context)
-        try:
-            self._job = self.start(context)
-        except InputError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        return self.guarded(self._begin, context)
+
+    def _begin(self, context: bpy.types.Context) -> set[str]:
+        global running
+        upgrade_all()
+        self._job = self.start(context)
         running = Running(type(self).bl_idname, self.title)
         self._drawn = self._left = time.perf_counter()
         self._timer = context.window_manager.event_timer_add(0.01, window=context.window)
@@ -108,16 +96,15 @@ class JobOperator:
             return {"CANCELLED"}
         if event.type != "TIMER":
             return {"PASS_THROUGH"}
+        return self.guarded(self._slice, context)
+
+    def _slice(self, context: bpy.types.Context) -> set[str]:
         try:
             result = self._advance(context)
             if result is None:
                 return {"RUNNING_MODAL"}
             self._stop(context)
             self.finish(context, result[0])
-        except InputError as error:
-            self._stop(context)
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
         except BaseException:
             self._stop(context)
             raise
@@ -155,7 +142,7 @@ class JobOperator:
         _redraw(context)
 
 
-class FOOTWORK_OT_cancel_job(bpy.types.Operator):
+class FOOTWORK_OT_cancel_job(FootworkOperator, bpy.types.Operator):
     """Stop the running job; nothing is changed"""
 
     bl_idname = "footwork.cancel_job"
@@ -163,14 +150,12 @@ class FOOTWORK_OT_cancel_job(bpy.types.Operator):
     bl_options = {"INTERNAL"}
 
     @classmethod
-    def poll(cls, context):
-        if running is None:
-            cls.poll_message_set("Nothing is running")
-        return running is not None
+    def refusal(cls, context: bpy.types.Context) -> str:
+        return "" if running is not None else "Nothing is running"
 
-    def execute(self, context):
-        running.cancelled = True
-        return {"FINISHED"}
+    def work(self, context: bpy.types.Context) -> None:
+        if running is not None:
+            running.cancelled = True
 
 
 def _show(context: bpy.types.Context) -> None:

@@ -1,6 +1,7 @@
 """Train a body-orientation predictor on the takes."""
 
 from pathlib import Path
+from typing import Any
 
 import bpy
 from bpy.props import StringProperty
@@ -8,9 +9,11 @@ from bpy.props import StringProperty
 from ..bridge.lookup import find_scene
 from ..bridge.settings import read_settings
 from ..core.errors import InputError
+from ..core.jobs import Job
 from ..nn.settings import TrainSettings
 from ..nn.train.checkpoint import checkpoint_path
-from . import files, training
+from ..properties.scene import FOOTWORK_PG_scene, footwork_of
+from . import paths, training
 from .job_operator import JobOperator
 
 
@@ -32,14 +35,14 @@ class FOOTWORK_OT_train_predictor(JobOperator, bpy.types.Operator):
     )
 
     @classmethod
-    def refusal(cls, context):
-        takes = context.scene.footwork.takes
+    def refusal(cls, context: bpy.types.Context) -> str:
+        takes = footwork_of(context.scene).takes
         if not any(take.use and take.state != "FAULT" for take in takes):
             return "Tick at least one usable take" if takes else "Add takes first"
         return training.find_trainer(context).missing
 
-    def start(self, context):
-        footwork = context.scene.footwork
+    def start(self, context: bpy.types.Context) -> Job[Any]:
+        footwork = footwork_of(context.scene)
         self._scene = context.scene.name
         self._path = predictor_path(footwork, self.filepath)
         settings = read_settings(footwork.train_settings, TrainSettings)
@@ -56,20 +59,16 @@ class FOOTWORK_OT_train_predictor(JobOperator, bpy.types.Operator):
             return f"switch Resume on to go on from {kept.name}"
         return JobOperator.after_cancel(self)
 
-    def finish(self, context, result):
-        footwork = find_scene(self._scene).footwork
-        footwork.predictor, footwork.predictor_path = "FILE", files.stored(str(self._path))
+    def finish(self, context: bpy.types.Context, result: Any) -> None:
+        footwork = footwork_of(find_scene(self._scene))
+        footwork.predictor, footwork.predictor_path = "FILE", paths.stored(str(self._path))
         footwork.trained = in_words(result)
         self.report({"INFO"}, f"{self._path.name} trained: {footwork.trained}")
 
 
-def predictor_path(footwork: bpy.types.PropertyGroup, override: str = "") -> Path:
-    """Where the next predictor is written: as said, or a name after the .blend beside it."""
-    said = override or footwork.train_path
-    if said:
-        return Path(bpy.path.abspath(said)).with_suffix(".npz")
-    stem = Path(bpy.data.filepath).stem if bpy.data.filepath else "footwork"
-    return Path(files.beside_blend(f"{stem}_predictor.npz"))
+def predictor_path(footwork: FOOTWORK_PG_scene, override: str = "") -> Path:
+    """Where the next predictor is written."""
+    return paths.output(override or footwork.train_path, "predictor")
 
 
 def in_words(report: dict) -> str:

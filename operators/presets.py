@@ -7,6 +7,8 @@ from bl_operators.presets import AddPresetBase
 from bpy.props import EnumProperty
 
 from ..core.settings import BAKE_PRESETS, BakeSettings
+from ..properties.scene import footwork_of
+from .base import FootworkOperator
 
 FOLDER = "footwork/bake"
 
@@ -23,7 +25,7 @@ class FOOTWORK_OT_add_bake_preset(AddPresetBase, bpy.types.Operator):
     preset_values = [f"settings.{item.name}" for item in fields(BakeSettings)]
 
 
-class FOOTWORK_OT_use_bake_preset(bpy.types.Operator):
+class FOOTWORK_OT_use_bake_preset(FootworkOperator, bpy.types.Operator):
     """Set the bake settings to those that come with Footwork under a name"""
 
     bl_idname = "footwork.use_bake_preset"
@@ -36,13 +38,12 @@ class FOOTWORK_OT_use_bake_preset(bpy.types.Operator):
         items=[(name, name, f"Use the preset {name}") for name in BAKE_PRESETS],
     )
 
-    def execute(self, context):
-        settings = context.scene.footwork.bake
+    def work(self, context):
+        settings = footwork_of(context.scene).bake
         for item in fields(BakeSettings):
             settings.property_unset(item.name)
         for name, value in BAKE_PRESETS[self.name].items():
             setattr(settings, name, value)
-        return {"FINISHED"}
 
 
 CLASSES = (FOOTWORK_OT_add_bake_preset, FOOTWORK_OT_use_bake_preset)

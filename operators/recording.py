@@ -9,6 +9,7 @@ from bpy_extras.io_utils import ExportHelper, ImportHelper, poll_file_object_dro
 
 from ..bridge.action import scene_fps
 from ..bridge.objects import show_recording
+from ..bridge.settings import typed
 from ..core.errors import InputError
 from ..core.mocap.takes import load_take
 from ..core.recording.csv_format import write_csv
@@ -16,20 +17,23 @@ from ..core.recording.cut import cut
 from ..core.recording.formats import suffixes
 from ..core.recording.read import read_recording
 from ..core.recording.simulate import simulate_recording
-from . import files
+from ..properties.scene import FOOTWORK_PG_scene, footwork_of
+from . import paths
+from .base import FootworkOperator
+from .rows import RowOperator, told
 
 
-def calibrated(footwork) -> float | None:
+def calibrated(footwork: FOOTWORK_PG_scene) -> float | None:
     """The eye height in metres that was set by hand, if it was."""
-    return files.typed(footwork.eye_height) if footwork.use_eye_height else None
+    return typed(footwork.eye_height) if footwork.use_eye_height else None
 
 
-def wanted_part(footwork) -> tuple[float, float]:
+def wanted_part(footwork: FOOTWORK_PG_scene) -> tuple[float, float]:
     """Start and stop in seconds of the part that shall be baked."""
-    return files.typed(footwork.recording_from), files.typed(footwork.recording_to) or math.inf
+    return typed(footwork.recording_from), typed(footwork.recording_to) or math.inf
 
 
-class FOOTWORK_OT_load_recording(bpy.types.Operator, ImportHelper):
+class FOOTWORK_OT_load_recording(FootworkOperator, ImportHelper, bpy.types.Operator):
     """Choose a recording of a headset and two controllers, and read what is in it"""
 
     bl_idname = "footwork.load_recording"
@@ -39,103 +43,96 @@ class FOOTWORK_OT_load_recording(bpy.types.Operator, ImportHelper):
     filter_glob: StringProperty(default=";".join(f"*{suffix}" for suffix in suffixes()), options={"HIDDEN"})
     filename_ext = ".csv"
 
-    def invoke(self, context, event):
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         given = self.properties.is_property_set("filepath")
         return self.execute(context) if given else super().invoke(context, event)
 
-    def execute(self, context):
-        footwork = context.scene.footwork
-        footwork.recording_source = "FILE"
-        footwork.recording_path = files.stored(bpy.path.abspath(self.filepath))
-        return bpy.ops.footwork.inspect_recording()
+    def work(self, context: bpy.types.Context) -> None:
+        _load(self, footwork_of(context.scene), paths.chosen(self)[0])
 
 
-class FOOTWORK_OT_inspect_recording(bpy.types.Operator):
+class RecordingOperator(FootworkOperator):
+    """Mixin for operators on the recording's file."""
+
+    @classmethod
+    def refusal(cls, context: bpy.types.Context) -> str:
+        footwork = footwork_of(context.scene)
+        chosen = footwork.recording_source == "FILE" and footwork.recording_path
+        return "" if chosen else "Choose a recording file first"
+
+
+class FOOTWORK_OT_inspect_recording(RecordingOperator, bpy.types.Operator):
     """Read the recording again and show what is found in it"""
 
     bl_idname = "footwork.inspect_recording"
     bl_label = "Read Recording"
     bl_options = {"INTERNAL"}
 
-    @classmethod
-    def poll(cls, context):
-        return _poll_file(cls, context)
-
-    def execute(self, context):
-        footwork = context.scene.footwork
-        try:
-            recording = read_recording(bpy.path.abspath(footwork.recording_path), calibrated(footwork))
-        except InputError as error:
-            footwork.recording_state, footwork.recording_found = "FAULT", ""
-            footwork.recording_doubts = str(error)
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        footwork.recording_found, footwork.recording_doubts = files.told(recording)
-        footwork.recording_state = "DOUBT" if recording.doubts else "OK"
-        footwork.eye_height = recording.eye_height
-        self.report(
-            {"INFO"}, f"{recording.name}: {recording.times[-1]:.1f} s at {recording.fps:.0f} per second"
-        )
-        return {"FINISHED"}
+    def work(self, context: bpy.types.Context) -> None:
+        _inspect(self, footwork_of(context.scene))
 
 
-class FOOTWORK_OT_show_recording(bpy.types.Operator):
+class FOOTWORK_OT_show_recording(RecordingOperator, bpy.types.Operator):
     """Show the recording as three animated empties, which can also be edited and baked from"""
 
     bl_idname = "footwork.show_recording"
     bl_label = "Show Trackers"
     bl_options = {"REGISTER", "UNDO"}
 
-    @classmethod
-    def poll(cls, context):
-        return _poll_file(cls, context)
-
-    def execute(self, context):
+    def work(self, context: bpy.types.Context) -> None:
         scene = context.scene
-        footwork = scene.footwork
-        try:
-            recording = read_recording(bpy.path.abspath(footwork.recording_path), calibrated(footwork))
-            recording = cut(recording, *wanted_part(footwork))
-            empties = show_recording(recording, scene, footwork.frame_start)
-        except InputError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        footwork = footwork_of(scene)
+        recording = read_recording(bpy.path.abspath(footwork.recording_path), calibrated(footwork))
+        recording = cut(recording, *wanted_part(footwork))
+        empties = show_recording(recording, scene, footwork.frame_start)
         footwork.head, footwork.left, footwork.right = empties
         footwork.tracker_axes = "Y_FORWARD"
         frames = recording.times[-1] * scene_fps(scene)
         self.report({"INFO"}, f"{recording.name}: three empties, {frames:.0f} frames")
-        return {"FINISHED"}
 
 
-class FOOTWORK_OT_simulate_recording(bpy.types.Operator, ExportHelper):
+class FOOTWORK_OT_simulate_recording(RowOperator, ExportHelper, bpy.types.Operator):
     """Make a recording with virtual trackers from the selected take, to try things without a headset"""
 
     bl_idname = "footwork.simulate_recording"
     bl_label = "Recording from Take"
     bl_options = {"REGISTER", "UNDO"}
+    what = "take"
 
     filename_ext = ".csv"
     filter_glob: StringProperty(default="*.csv", options={"HIDDEN"})
 
-    @classmethod
-    def poll(cls, context):
-        return files.poll_active(cls, context.scene.footwork.takes, "take")
-
-    def invoke(self, context, event):
-        take = files.active(context.scene.footwork.takes, context.scene.footwork.take_index)
-        self.filepath = files.beside_blend(f"{Path(bpy.path.abspath(take.path)).stem}.csv")
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        self.filepath = paths.beside_blend(f"{Path(bpy.path.abspath(self.active(context).path)).stem}.csv")
         return super().invoke(context, event)
 
-    def execute(self, context):
-        footwork = context.scene.footwork
-        row = files.active(footwork.takes, footwork.take_index)
-        try:
-            take = load_take(bpy.path.abspath(row.path))
-            write_csv(self.filepath, simulate_recording(take.motion, take.name))
-        except InputError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        return bpy.ops.footwork.load_recording(filepath=self.filepath)
+    def work(self, context: bpy.types.Context) -> None:
+        take = load_take(bpy.path.abspath(self.active(context).path))
+        write_csv(self.filepath, simulate_recording(take.motion, take.name))
+        _load(self, footwork_of(context.scene), self.filepath)
+
+
+def _load(operator: FootworkOperator, footwork: FOOTWORK_PG_scene, path: str) -> None:
+    """Make a file the scene's recording, and read it."""
+    footwork.recording_source = "FILE"
+    footwork.recording_path = paths.stored(path)
+    _inspect(operator, footwork)
+
+
+def _inspect(operator: FootworkOperator, footwork: FOOTWORK_PG_scene) -> None:
+    """Show what is found in the recording's file, or what is wrong with it."""
+    try:
+        recording = read_recording(bpy.path.abspath(footwork.recording_path), calibrated(footwork))
+    except InputError as error:
+        footwork.recording_state, footwork.recording_found = "FAULT", ""
+        footwork.recording_doubts = str(error)
+        raise
+    footwork.recording_found, footwork.recording_doubts = told(recording)
+    footwork.recording_state = "DOUBT" if recording.doubts else "OK"
+    footwork.eye_height = recording.eye_height
+    operator.report(
+        {"INFO"}, f"{recording.name}: {recording.times[-1]:.1f} s at {recording.fps:.0f} per second"
+    )
 
 
 class FOOTWORK_FH_recording(bpy.types.FileHandler):
@@ -147,16 +144,8 @@ class FOOTWORK_FH_recording(bpy.types.FileHandler):
     bl_file_extensions = ";".join(suffixes())
 
     @classmethod
-    def poll_drop(cls, context):
+    def poll_drop(cls, context: bpy.types.Context) -> bool:
         return poll_file_object_drop(context)
-
-
-def _poll_file(operator, context) -> bool:
-    footwork = context.scene.footwork
-    if footwork.recording_source != "FILE" or not footwork.recording_path:
-        operator.poll_message_set("Choose a recording file first")
-        return False
-    return True
 
 
 CLASSES = (

@@ -4,9 +4,11 @@ import bpy
 
 from ..bridge import armature
 from ..core.errors import InputError
+from ..properties.scene import footwork_of
+from .base import FootworkOperator
 
 
-class FOOTWORK_OT_use_active_rig(bpy.types.Operator):
+class FOOTWORK_OT_use_active_rig(FootworkOperator, bpy.types.Operator):
     """Animate the active armature"""
 
     bl_idname = "footwork.use_active_rig"
@@ -14,22 +16,21 @@ class FOOTWORK_OT_use_active_rig(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
-    def poll(cls, context):
-        if context.object is None or context.object.type != "ARMATURE":
-            cls.poll_message_set("Select an armature first")
-            return False
-        return True
+    def refusal(cls, context: bpy.types.Context) -> str:
+        chosen = context.object is not None and context.object.type == "ARMATURE"
+        return "" if chosen else "Select an armature first"
 
-    def execute(self, context):
-        context.scene.footwork.rig = context.object
+    def work(self, context: bpy.types.Context) -> None:
+        obj = context.object
+        assert obj is not None
+        footwork_of(context.scene).rig = obj
         try:
-            armature.armature_to_rig(context.object)
+            armature.armature_to_rig(obj)
         except InputError as error:
             self.report({"WARNING"}, str(error))
-        return {"FINISHED"}
 
 
-class FOOTWORK_OT_reset_roles(bpy.types.Operator):
+class FOOTWORK_OT_reset_roles(FootworkOperator, bpy.types.Operator):
     """Forget what was set by hand and go back to the bones that were detected"""
 
     bl_idname = "footwork.reset_roles"
@@ -37,19 +38,14 @@ class FOOTWORK_OT_reset_roles(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
-    def poll(cls, context):
-        rig = context.scene.footwork.rig
+    def refusal(cls, context: bpy.types.Context) -> str:
+        rig = footwork_of(context.scene).rig
         if rig is None:
-            cls.poll_message_set("Pick a rig first")
-            return False
-        if not armature.role_overrides(rig):
-            cls.poll_message_set("Nothing was set by hand")
-            return False
-        return True
+            return "Pick a rig first"
+        return "" if armature.role_overrides(rig) else "Nothing was set by hand"
 
-    def execute(self, context):
-        armature.set_roles(context.scene.footwork.rig, {})
-        return {"FINISHED"}
+    def work(self, context: bpy.types.Context) -> None:
+        armature.set_roles(footwork_of(context.scene).rig, {})
 
 
 CLASSES = (FOOTWORK_OT_use_active_rig, FOOTWORK_OT_reset_roles)

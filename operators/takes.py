@@ -1,6 +1,7 @@
 """The list of takes: add, remove, reorder, look at what is in them, show one in the scene."""
 
 from pathlib import Path
+from typing import Any
 
 import bpy
 from bpy.props import CollectionProperty, EnumProperty, IntProperty, StringProperty
@@ -9,14 +10,19 @@ from bpy_extras.io_utils import ImportHelper, poll_file_object_drop
 from ..bridge import preview
 from ..bridge.action import scene_fps
 from ..bridge.lookup import find_scene
+from ..core.database.contact_edits import ContactEdit
 from ..core.errors import InputError
+from ..core.jobs import Job
 from ..core.mocap.takes import load_take
-from . import files
+from ..properties.scene import FOOTWORK_PG_scene, footwork_of
+from . import paths, rows
+from .base import FootworkOperator
 from .contacts import contacts_to_show, edits_of_row
 from .job_operator import JobOperator
+from .rows import RowOperator
 
 
-class FOOTWORK_OT_add_takes(bpy.types.Operator, ImportHelper):
+class FOOTWORK_OT_add_takes(FootworkOperator, ImportHelper, bpy.types.Operator):
     """Add motion-capture files to the list; each is read to see what is in it"""
 
     bl_idname = "footwork.add_takes"
@@ -28,25 +34,20 @@ class FOOTWORK_OT_add_takes(bpy.types.Operator, ImportHelper):
     filter_glob: StringProperty(default="*.bvh", options={"HIDDEN"})
     filename_ext = ".bvh"
 
-    def invoke(self, context, event):
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         # files that were dropped need no file browser
         return self.execute(context) if self.files else super().invoke(context, event)
 
-    def execute(self, context):
-        footwork = context.scene.footwork
-        paths = files.chosen(self)
-        if not paths:
-            self.report({"ERROR"}, "No file chosen")
-            return {"CANCELLED"}
-        listed = {files.absolute(take.path) for take in footwork.takes}
-        for path in paths:
-            if files.absolute(path) not in listed:
+    def work(self, context: bpy.types.Context) -> None:
+        footwork = footwork_of(context.scene)
+        listed = {paths.absolute(take.path) for take in footwork.takes}
+        for path in paths.chosen(self):
+            if paths.absolute(path) not in listed:
                 row = footwork.takes.add()
-                row.path, row.name = files.stored(path), Path(path).stem
+                row.path, row.name = paths.stored(path), Path(path).stem
                 footwork.take_index = len(footwork.takes) - 1
         mode = "INVOKE_DEFAULT" if self.options.is_invoke else "EXEC_DEFAULT"
-        bpy.ops.footwork.inspect_takes(mode)
-        return {"FINISHED"}
+        bpy.ops.footwork.inspect_takes(mode)  # pyright: ignore[reportAttributeAccessIssue]
 
 
 class FOOTWORK_OT_inspect_takes(JobOperator, bpy.types.Operator):
@@ -65,17 +66,17 @@ class FOOTWORK_OT_inspect_takes(JobOperator, bpy.types.Operator):
     )
 
     @classmethod
-    def refusal(cls, context):
-        return "" if context.scene.footwork.takes else "Add takes first"
+    def refusal(cls, context: bpy.types.Context) -> str:
+        return "" if footwork_of(context.scene).takes else "Add takes first"
 
-    def start(self, context):
+    def start(self, context: bpy.types.Context) -> Job[Any]:
         self._scene = context.scene.name
-        takes = context.scene.footwork.takes
+        takes = footwork_of(context.scene).takes
         return _inspect([bpy.path.abspath(t.path) for t in takes if self.which == "ALL" or t.state == "NEW"])
 
-    def finish(self, context, result):
+    def finish(self, context: bpy.types.Context, result: Any) -> None:
         faults = 0
-        for take in find_scene(self._scene).footwork.takes:
+        for take in footwork_of(find_scene(self._scene)).takes:
             if bpy.path.abspath(take.path) in result:
                 state, seconds, found, doubts = result[bpy.path.abspath(take.path)]
                 take.state, take.seconds, take.found, take.doubts = state, seconds, found, doubts
@@ -95,64 +96,50 @@ def _inspect(paths):
             results[path] = ("FAULT", 0.0, "", str(error))
             continue
         seconds = (len(take.motion) - 1) / take.motion.fps
-        found, doubts = files.told(take)
+        found, doubts = rows.told(take)
         results[path] = ("DOUBT" if doubts else "OK", seconds, found, doubts)
     return results
 
 
-class FOOTWORK_OT_remove_take(bpy.types.Operator):
+class FOOTWORK_OT_remove_take(RowOperator, bpy.types.Operator):
     """Take the selected take off the list; its file stays"""
 
     bl_idname = "footwork.remove_take"
     bl_label = "Remove Take"
     bl_options = {"REGISTER", "UNDO"}
+    what = "take"
 
-    @classmethod
-    def poll(cls, context):
-        return files.poll_active(cls, context.scene.footwork.takes, "take")
-
-    def execute(self, context):
-        footwork = context.scene.footwork
-        footwork.take_index = files.remove_active(footwork.takes, footwork.take_index)
-        return {"FINISHED"}
+    def work(self, context: bpy.types.Context) -> None:
+        self.remove(context)
 
 
-class FOOTWORK_OT_clear_takes(bpy.types.Operator):
+class FOOTWORK_OT_clear_takes(RowOperator, bpy.types.Operator):
     """Take all takes off the list; their files stay"""
 
     bl_idname = "footwork.clear_takes"
     bl_label = "Remove All Takes"
     bl_options = {"REGISTER", "UNDO"}
+    what = "take"
 
-    @classmethod
-    def poll(cls, context):
-        return files.poll_active(cls, context.scene.footwork.takes, "take")
-
-    def execute(self, context):
-        context.scene.footwork.takes.clear()
-        return {"FINISHED"}
+    def work(self, context: bpy.types.Context) -> None:
+        self.rows(context).clear()
 
 
-class FOOTWORK_OT_move_take(bpy.types.Operator):
+class FOOTWORK_OT_move_take(RowOperator, bpy.types.Operator):
     """Move the selected take in the list: the first one gives the database its skeleton"""
 
     bl_idname = "footwork.move_take"
     bl_label = "Move Take"
     bl_options = {"REGISTER", "UNDO"}
+    what = "take"
 
     step: IntProperty(name="Step", description="Rows to move down by", default=1)
 
-    @classmethod
-    def poll(cls, context):
-        return files.poll_active(cls, context.scene.footwork.takes, "take")
-
-    def execute(self, context):
-        footwork = context.scene.footwork
-        footwork.take_index = files.move_active(footwork.takes, footwork.take_index, self.step)
-        return {"FINISHED"}
+    def work(self, context: bpy.types.Context) -> None:
+        self.move(context, self.step)
 
 
-class FOOTWORK_OT_import_take(bpy.types.Operator, ImportHelper):
+class FOOTWORK_OT_import_take(FootworkOperator, ImportHelper, bpy.types.Operator):
     """Show a take as an armature in metres, upright, at the scene's frame rate; its foot contacts are keyed, too"""
 
     bl_idname = "footwork.import_take"
@@ -164,33 +151,38 @@ class FOOTWORK_OT_import_take(bpy.types.Operator, ImportHelper):
     filter_glob: StringProperty(default="*.bvh", options={"HIDDEN"})
     filename_ext = ".bvh"
 
-    def invoke(self, context, event):
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         given = self.files or self.properties.is_property_set("filepath")
         return self.execute(context) if given else super().invoke(context, event)
 
-    def execute(self, context):
+    def work(self, context: bpy.types.Context) -> None:
         scene = context.scene
-        fps, start = scene_fps(scene), scene.footwork.frame_start
-        try:
-            for path in files.chosen(self):
-                take = load_take(path)
-                contacts = contacts_to_show(take, scene.footwork, fps, _edits_of(scene.footwork, path))
-                file = files.stored(path)
-                obj = preview.show_take(take, contacts, file, context.collection, scene, start)
-                for doubt in take.doubts:
-                    self.report({"WARNING"}, f"{take.name}: {doubt}")
-        except InputError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        files.select_only(context, obj)
-        self.report({"INFO"}, f"{take.name}: {len(contacts)} frames at {fps:g} fps")
-        return {"FINISHED"}
+        footwork = footwork_of(scene)
+        shown = []
+        for path in paths.chosen(self):
+            take = load_take(path)
+            contacts = contacts_to_show(take, footwork, scene_fps(scene), _edits_of(footwork, path))
+            shown.append((take, contacts, paths.stored(path)))
+        for take, contacts, file in shown:
+            obj = preview.show_take(take, contacts, file, context.collection, scene, footwork.frame_start)
+            for doubt in take.doubts:
+                self.report({"WARNING"}, f"{take.name}: {doubt}")
+            _select_only(context, obj)
+            self.report({"INFO"}, f"{take.name}: {len(contacts)} frames at {scene_fps(scene):g} fps")
 
 
-def _edits_of(footwork, path):
+def _select_only(context: bpy.types.Context, obj: bpy.types.Object) -> None:
+    """Make an object the only selected one and the active one."""
+    for other in context.view_layer.objects:
+        other.select_set(False)
+    obj.select_set(True)
+    context.view_layer.objects.active = obj
+
+
+def _edits_of(footwork: FOOTWORK_PG_scene, path: str) -> list[ContactEdit]:
     """The edited contacts of a file that is in the list of takes; none where it is not."""
-    rows = [row for row in footwork.takes if files.absolute(row.path) == files.absolute(path)]
-    return edits_of_row(rows[0]) if rows else []
+    known = [row for row in footwork.takes if paths.absolute(row.path) == paths.absolute(path)]
+    return edits_of_row(known[0]) if known else []
 
 
 class FOOTWORK_FH_takes(bpy.types.FileHandler):
@@ -202,7 +194,7 @@ class FOOTWORK_FH_takes(bpy.types.FileHandler):
     bl_file_extensions = ".bvh"
 
     @classmethod
-    def poll_drop(cls, context):
+    def poll_drop(cls, context: bpy.types.Context) -> bool:
         return poll_file_object_drop(context)
 
 
@@ -215,7 +207,7 @@ class FOOTWORK_FH_import_take(bpy.types.FileHandler):
     bl_file_extensions = ".bvh"
 
     @classmethod
-    def poll_drop(cls, context):
+    def poll_drop(cls, context: bpy.types.Context) -> bool:
         return poll_file_object_drop(context)
 
 

@@ -21,9 +21,9 @@ from ..core.files import remove_parts
 from ..core.jobs import Job
 from ..nn.settings import TrainSettings
 from ..nn.train.checkpoint import checkpoint_path
+from ..properties.preferences import preferences_of
 
 PACKAGE_FOLDER = Path(__file__).parents[1]
-ADD_ON = __package__.rpartition(".")[0]
 GET_TORCH = "-m pip install torch"
 LOOK_AGAIN_S = 10.0
 """A Python that could not train is looked at again after this long: PyTorch may have come."""
@@ -57,8 +57,8 @@ class Trainer:
 
 def find_trainer(context: bpy.types.Context) -> Trainer:
     """The Python that the preferences name, or else Blender's own."""
-    add_on = context.preferences.addons.get(ADD_ON)
-    said = "" if add_on is None or add_on.preferences is None else add_on.preferences.training_python
+    preferences = preferences_of(context)
+    said = "" if preferences is None else preferences.training_python
     if said:
         return named_trainer(bpy.path.abspath(said))
     if importlib.util.find_spec("torch") is not None:

@@ -1,15 +1,14 @@
-"""Properties, and the Footwork tab of the 3D viewport's sidebar: one module for each step, in the order of work."""
+"""The Footwork tab of the 3D viewport's sidebar: one module for each step, in the order of work."""
 
 import bpy
 
 from . import (
     bake,
     databases,
-    graph,
     lists,
+    overlays,
     predictor,
     preferences,
-    properties,
     quality,
     recording,
     rig,
@@ -21,16 +20,14 @@ CLASSES = (*preferences.CLASSES, *lists.CLASSES, *(cls for step in STEPS for cls
 
 
 def register() -> None:
-    """Add properties, lists and panels to Blender."""
-    properties.register()
+    """Add lists and panels to Blender."""
     for cls in CLASSES:
         bpy.utils.register_class(cls)
-    graph.register()
+    overlays.register()
 
 
 def unregister() -> None:
     """Take them away again."""
-    graph.unregister()
+    overlays.unregister()
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)
-    properties.unregister()

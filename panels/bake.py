@@ -4,6 +4,7 @@ import bpy
 from bl_ui.utils import PresetPanel
 
 from ..operators.presets import FOLDER
+from ..properties.scene import footwork_of
 from .parts import Part, job_button, settings_column
 
 MAIN_BAKE_SETTINGS = ("trajectory", "search", "alpha", "beta")
@@ -28,11 +29,11 @@ class FOOTWORK_PT_bake(Part, bpy.types.Panel):
     bl_idname = "FOOTWORK_PT_bake"
     bl_label = "6  Bake"
 
-    def draw_header_preset(self, context):
+    def draw_header_preset(self, context: bpy.types.Context) -> None:
         FOOTWORK_PT_bake_presets.draw_panel_header(self.layout)
 
-    def draw(self, context):
-        layout, footwork = self.layout, context.scene.footwork
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, footwork = self.layout, footwork_of(context.scene)
         settings = footwork.bake
         idle = () if settings.trajectory == "causal" else CAUSAL_SETTINGS
         known = [name for name in settings.__annotations__ if name not in idle]

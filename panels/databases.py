@@ -2,7 +2,8 @@
 
 import bpy
 
-from ..operators.files import active
+from ..operators.rows import active
+from ..properties.scene import FOOTWORK_PG_scene, footwork_of
 from . import text
 from .parts import Part
 
@@ -13,11 +14,11 @@ class FOOTWORK_PT_databases(Part, bpy.types.Panel):
     bl_idname = "FOOTWORK_PT_databases"
     bl_label = "2  Databases"
 
-    def step_icon(self, footwork):
+    def step_icon(self, footwork: FOOTWORK_PG_scene) -> str:
         return "CHECKMARK" if any(row.use for row in footwork.databases) else ""
 
-    def draw(self, context):
-        layout, footwork = self.layout, context.scene.footwork
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, footwork = self.layout, footwork_of(context.scene)
         row = layout.row()
         row.template_list(
             "FOOTWORK_UL_databases", "", footwork, "databases", footwork, "database_index", rows=3

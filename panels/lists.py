@@ -1,8 +1,10 @@
 """Lists of takes and databases."""
 
+from typing import Any
+
 import bpy
 
-STATE_ICONS = {"NEW": "QUESTION", "OK": "NONE", "DOUBT": "ERROR", "FAULT": "CANCEL"}
+STATE_ICONS: dict[str, Any] = {"NEW": "QUESTION", "OK": "NONE", "DOUBT": "ERROR", "FAULT": "CANCEL"}
 
 
 class FOOTWORK_UL_takes(bpy.types.UIList):

@@ -1,32 +1,38 @@
 """What all parts of the Footwork tab share."""
 
 import textwrap
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
 
 import bpy
 
 from ..operators import job_operator
+from ..properties.scene import FOOTWORK_PG_scene, footwork_of
 from . import text
 
 
 class Part:
     """What all parts of the tab share."""
 
+    if TYPE_CHECKING:
+        layout: bpy.types.UILayout
+
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
     bl_category = "Footwork"
 
-    def draw_header_preset(self, context):
+    def draw_header_preset(self, context: bpy.types.Context) -> None:
         """Say at the right of the header how far this step is."""
-        icon = self.step_icon(context.scene.footwork)
+        icon = self.step_icon(footwork_of(context.scene))
         if icon:
             self.layout.label(text="", icon=icon)
 
-    def step_icon(self, footwork) -> str:
+    def step_icon(self, footwork: FOOTWORK_PG_scene) -> Any:
         """Icon for the step's state, "" for none."""
         return ""
 
 
-def job_button(layout, operator: str, icon: str, scale: float) -> None:
+def job_button(layout: bpy.types.UILayout, operator: str, icon: Any, scale: float) -> None:
     """The button that starts a job; while the job runs, its progress and a button to cancel it."""
     if not job_progress(layout, operator):
         row = layout.row()
@@ -34,7 +40,7 @@ def job_button(layout, operator: str, icon: str, scale: float) -> None:
         row.operator(operator, icon=icon)
 
 
-def job_progress(layout, operator: str) -> bool:
+def job_progress(layout: bpy.types.UILayout, operator: str) -> bool:
     """How far this operator's job is; False where it does not run."""
     running = job_operator.running
     if running is None or running.operator != operator:
@@ -50,7 +56,7 @@ def job_progress(layout, operator: str) -> bool:
     return True
 
 
-def settings_column(layout, settings, names) -> None:
+def settings_column(layout: bpy.types.UILayout, settings: Any, names: Iterable[str]) -> None:
     """Settings below each other: choices beside their name, numbers with the name inside."""
     column = layout.column(align=True)
     weights = False

@@ -4,6 +4,8 @@ import bpy
 
 from ..operators import training
 from ..operators.predictor import predictor_path
+from ..properties.preferences import ADD_ON
+from ..properties.scene import FOOTWORK_PG_scene, footwork_of
 from . import text
 from .parts import Part, job_button, settings_column
 
@@ -15,12 +17,12 @@ class FOOTWORK_PT_predictor(Part, bpy.types.Panel):
     bl_label = "3  Predictor"
     bl_options = {"DEFAULT_CLOSED"}
 
-    def step_icon(self, footwork):
+    def step_icon(self, footwork: FOOTWORK_PG_scene) -> str:
         missing = footwork.predictor == "FILE" and not footwork.predictor_path
         return "" if missing else "CHECKMARK"
 
-    def draw(self, context):
-        layout, footwork = self.layout, context.scene.footwork
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, footwork = self.layout, footwork_of(context.scene)
         layout.use_property_split = True
         layout.use_property_decorate = False
         layout.prop(footwork, "predictor", text="Source")
@@ -33,9 +35,7 @@ class FOOTWORK_PT_predictor(Part, bpy.types.Panel):
         missing = training.find_trainer(context).missing
         if missing:
             text.notes(context, body, missing, "INFO")
-            body.operator(
-                "preferences.addon_show", text="Preferences", icon="PREFERENCES"
-            ).module = training.ADD_ON
+            body.operator("preferences.addon_show", text="Preferences", icon="PREFERENCES").module = ADD_ON
         body.prop(footwork, "train_path", placeholder=predictor_path(footwork).name)
         body.use_property_split = False
         settings = footwork.train_settings

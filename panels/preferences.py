@@ -1,25 +1,18 @@
-"""The add-on's preferences: what belongs to a computer and not to a scene."""
+"""The page of the add-on's preferences."""
 
 import bpy
-from bpy.props import StringProperty
 
 from ..operators import training
+from ..properties.preferences import ADD_ON, Preferences
 from . import text
 
 
-class FOOTWORK_preferences(bpy.types.AddonPreferences):
+class FOOTWORK_preferences(Preferences, bpy.types.AddonPreferences):
     """What belongs to a computer and not to a scene"""
 
-    bl_idname = training.ADD_ON
+    bl_idname = ADD_ON
 
-    training_python: StringProperty(
-        name="Python for Training",
-        description="A Python with PyTorch to train predictors with; empty for Blender's own. "
-        "Nothing else needs it",
-        subtype="FILE_PATH",
-    )
-
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         self.layout.use_property_split = True
         self.layout.prop(self, "training_python", placeholder="Blender's own")
         missing = training.find_trainer(context).missing

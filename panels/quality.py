@@ -1,9 +1,14 @@
 """7: how good the last bake is."""
 
+from typing import Any
+
 import bpy
 
-from . import text
+from ..properties.scene import FOOTWORK_PG_scene, footwork_of
+from . import overlays, text
 from .parts import Part
+
+RATING_ICONS: dict[str, Any] = {"GOOD": "CHECKMARK", "POOR": "ERROR", "NONE": "BLANK1"}
 
 
 class FOOTWORK_PT_quality(Part, bpy.types.Panel):
@@ -12,13 +17,13 @@ class FOOTWORK_PT_quality(Part, bpy.types.Panel):
     bl_idname = "FOOTWORK_PT_quality"
     bl_label = "7  Quality"
 
-    def step_icon(self, footwork):
+    def step_icon(self, footwork: FOOTWORK_PG_scene) -> str:
         if not footwork.figures:
             return ""
         return "ERROR" if any(row.good == "POOR" for row in footwork.figures) else "CHECKMARK"
 
-    def draw(self, context):
-        layout, footwork = self.layout, context.scene.footwork
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, footwork = self.layout, footwork_of(context.scene)
         if not footwork.figures:
             layout.label(text="Nothing baked yet", icon="INFO")
             return
@@ -26,13 +31,14 @@ class FOOTWORK_PT_quality(Part, bpy.types.Panel):
         column = layout.column(align=True)
         for index, row in enumerate(footwork.figures):
             split = column.split(factor=0.55)
-            icon = {"GOOD": "CHECKMARK", "POOR": "ERROR"}.get(row.good, "BLANK1")
-            split.label(text=row.name, icon=icon)
+            split.label(text=row.name, icon=RATING_ICONS[row.good])
             value = split.row()
             value.alignment = "LEFT"
             value.operator("footwork.explain_figure", text=row.value, emboss=False).index = index
-        if footwork.over_time:
-            layout.prop(footwork, "show_graph", icon="GRAPH", toggle=True)
+        toggles = overlays.toggles_of(context.scene)
+        column = layout.column(align=True)
+        for overlay in overlays.OVERLAYS:
+            column.prop(toggles, overlay.name, icon=overlay.icon, toggle=True)
         told = footwork.recording_doubts.splitlines()
         fresh = [line for line in footwork.warnings.splitlines() if line not in told]
         text.notes(context, layout, "\n".join(fresh))

@@ -2,6 +2,7 @@
 
 import bpy
 
+from ..properties.scene import FOOTWORK_PG_scene, footwork_of
 from . import text
 from .parts import Part
 
@@ -12,13 +13,13 @@ class FOOTWORK_PT_recording(Part, bpy.types.Panel):
     bl_idname = "FOOTWORK_PT_recording"
     bl_label = "4  Recording"
 
-    def step_icon(self, footwork):
+    def step_icon(self, footwork: FOOTWORK_PG_scene) -> str:
         if footwork.recording_source == "OBJECTS":
             return "CHECKMARK" if footwork.head else ""
         return "CHECKMARK" if footwork.recording_path and footwork.recording_state != "FAULT" else ""
 
-    def draw(self, context):
-        layout, footwork = self.layout, context.scene.footwork
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, footwork = self.layout, footwork_of(context.scene)
         layout.row().prop(footwork, "recording_source", expand=True)
         column = layout.column()
         column.use_property_split = True
@@ -52,7 +53,7 @@ class FOOTWORK_PT_recording(Part, bpy.types.Panel):
         layout.operator("footwork.show_recording", icon="EMPTY_ARROWS")
 
 
-def _eye_height(layout, footwork) -> None:
+def _eye_height(layout: bpy.types.UILayout, footwork: FOOTWORK_PG_scene) -> None:
     """Given by hand, or greyed what the recording says."""
     row = layout.row(heading="Eye Height", align=True)
     row.prop(footwork, "use_eye_height", text="")

@@ -4,9 +4,10 @@ import bpy
 
 from ..bridge import armature
 from ..core.body.skeleton import ARM, CENTRE_ROLES, LEG, REQUIRED_ROLES
+from ..properties.role_map import attribute, role_label, role_map_of
+from ..properties.scene import FOOTWORK_PG_scene, footwork_of
 from . import text
 from .parts import Part
-from .properties import attribute, role_label
 
 
 class FOOTWORK_PT_rig(Part, bpy.types.Panel):
@@ -15,15 +16,15 @@ class FOOTWORK_PT_rig(Part, bpy.types.Panel):
     bl_idname = "FOOTWORK_PT_rig"
     bl_label = "5  Rig"
 
-    def step_icon(self, footwork):
+    def step_icon(self, footwork: FOOTWORK_PG_scene) -> str:
         rig = footwork.rig
         if rig is None or rig.type != "ARMATURE":
             return "" if rig is None else "ERROR"
         mapped = armature.role_map(rig)
         return "CHECKMARK" if all(mapped.get(role) for role in REQUIRED_ROLES) else "ERROR"
 
-    def draw(self, context):
-        layout, footwork = self.layout, context.scene.footwork
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, footwork = self.layout, footwork_of(context.scene)
         row = layout.row(align=True)
         row.prop(footwork, "rig", text="")
         row.operator("footwork.use_active_rig", text="", icon="RESTRICT_SELECT_OFF")
@@ -50,7 +51,7 @@ class FOOTWORK_PT_rig(Part, bpy.types.Panel):
             _role_map(body, rig)
 
 
-def _role_map(layout, rig):
+def _role_map(layout: bpy.types.UILayout, rig: bpy.types.Object) -> None:
     groups = (
         ("", CENTRE_ROLES),
         ("Left", tuple(f"{part}.L" for part in (*ARM, *LEG))),
@@ -63,7 +64,7 @@ def _role_map(layout, rig):
         for role in roles:
             split = column.split(factor=0.3, align=True)
             split.label(text=role_label(role))
-            split.prop_search(rig.footwork, attribute(role), rig.data, "bones", text="")
+            split.prop_search(role_map_of(rig), attribute(role), rig.data, "bones", text="")
 
 
 CLASSES = (FOOTWORK_PT_rig,)

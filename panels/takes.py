@@ -3,7 +3,8 @@
 import bpy
 
 from ..operators.databases import database_path
-from ..operators.files import active
+from ..operators.rows import active
+from ..properties.scene import FOOTWORK_PG_scene, footwork_of
 from . import text
 from .lists import duration
 from .parts import Part, job_button, job_progress
@@ -15,13 +16,13 @@ class FOOTWORK_PT_takes(Part, bpy.types.Panel):
     bl_idname = "FOOTWORK_PT_takes"
     bl_label = "1  Takes"
 
-    def draw_header_preset(self, context):
-        takes = [take for take in context.scene.footwork.takes if take.use]
+    def draw_header_preset(self, context: bpy.types.Context) -> None:
+        takes = [take for take in footwork_of(context.scene).takes if take.use]
         if takes:
             self.layout.label(text=duration(sum(take.seconds for take in takes)))
 
-    def draw(self, context):
-        layout, footwork = self.layout, context.scene.footwork
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, footwork = self.layout, footwork_of(context.scene)
         row = layout.row()
         row.template_list(
             "FOOTWORK_UL_takes",
@@ -70,7 +71,7 @@ class FOOTWORK_PT_takes(Part, bpy.types.Panel):
         self._advanced(layout, footwork)
         job_button(layout, "footwork.build_database", "FILE_NEW", 1.3)
 
-    def _advanced(self, layout, footwork):
+    def _advanced(self, layout: bpy.types.UILayout, footwork: FOOTWORK_PG_scene) -> None:
         header, body = layout.panel("FOOTWORK_database_advanced", default_closed=True)
         header.label(text="Advanced")
         if not body:
@@ -91,8 +92,8 @@ class FOOTWORK_MT_takes(bpy.types.Menu):
     bl_idname = "FOOTWORK_MT_takes"
     bl_label = "Takes"
 
-    def draw(self, context):
-        layout, footwork = self.layout, context.scene.footwork
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, footwork = self.layout, footwork_of(context.scene)
         layout.operator("footwork.inspect_takes", text="Read All Again", icon="FILE_REFRESH").which = "ALL"
         take = active(footwork.takes, footwork.take_index)
         if take is not None:

@@ -1,6 +1,7 @@
 """Short texts in panels: facts in two columns, and long lines wrapped to the width of the sidebar."""
 
 import textwrap
+from typing import Any
 
 import bpy
 
@@ -20,7 +21,7 @@ def facts(context: bpy.types.Context, layout: bpy.types.UILayout, found: str) ->
             split.label(text=part)
 
 
-def notes(context: bpy.types.Context, layout: bpy.types.UILayout, text: str, icon: str = "ERROR") -> None:
+def notes(context: bpy.types.Context, layout: bpy.types.UILayout, text: str, icon: Any = "ERROR") -> None:
     """Each line of a text as a wrapped note with an icon."""
     for line in text.splitlines():
         column = layout.column(align=True)

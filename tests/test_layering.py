@@ -62,6 +62,9 @@ for package in (footwork.core, footwork.nn):
     for module in pkgutil.walk_packages(package.__path__, package.__name__ + "."):
         if module.name.removeprefix("footwork.") not in TORCH:
             importlib.import_module(module.name)
+# the command line's help is made without Blender
+import footwork.cli
+footwork.cli.make_parser().format_help()
 print("all imported")
 """
 

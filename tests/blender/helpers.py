@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import bpy
+import gpu
 import numpy as np
+import pytest
 from footwork.core.body.motion import Motion
 from footwork.core.body.skeleton import Skeleton
 from footwork.core.maths import quat
+from mathutils import Matrix
 
 
 def skeleton() -> Skeleton:
@@ -81,3 +85,26 @@ def files(*names: str) -> list[dict[str, str]]:
 def add_takes(folder: Path, *names: str) -> None:
     """Add takes to the current scene."""
     assert bpy.ops.footwork.add_takes(directory=str(folder), files=files(*names)) == {"FINISHED"}
+
+
+def drawn(wide: int, high: int, draw: Callable[[], None]) -> np.ndarray:
+    """Pixels `(high, wide, 4)` that `draw` leaves on black; skips the test where Blender draws only in windows."""
+    if not hasattr(gpu, "init"):
+        pytest.skip("this Blender has no graphics without a window")
+    try:
+        gpu.init()
+    except SystemError as error:
+        pytest.skip(str(error))
+    screen = gpu.types.GPUOffScreen(wide, high)
+    with screen.bind():
+        frame = gpu.state.active_framebuffer_get()
+        frame.clear(color=(0.0, 0.0, 0.0, 1.0))
+        with gpu.matrix.push_pop(), gpu.matrix.push_pop_projection():
+            gpu.matrix.load_identity()
+            gpu.matrix.load_projection_matrix(
+                Matrix(((2 / wide, 0, 0, -1), (0, 2 / high, 0, -1), (0, 0, -1, 0), (0, 0, 0, 1)))
+            )
+            draw()
+        pixels = np.array(frame.read_color(0, 0, wide, high, 4, 0, "FLOAT").to_list())
+    screen.free()
+    return pixels

@@ -53,7 +53,7 @@ def test_the_manifest_has_no_unknown_keys() -> None:
 
 def test_the_zip_holds_the_extension_and_nothing_else(names) -> None:
     tops = {name.partition("/")[0] for name in names}
-    packages = {"core", "nn", "bridge", "cli", "operators", "panels", "presets"}
+    packages = {"core", "nn", "bridge", "cli", "properties", "operators", "panels", "presets"}
     files = {"blender_manifest.toml", "__init__.py", "__main__.py", "LICENSE", "README.md"}
     assert packages <= tops and tops <= packages | files
     assert not [name for name in names if "__pycache__" in name or name.endswith((".pyc", ".bvh", ".fbx"))]

@@ -6,10 +6,11 @@ import json
 import math
 
 import bpy
+import helpers
 import numpy as np
 import pytest
 from footwork.operators import figures
-from footwork.panels import graph
+from footwork.panels.overlays import graph
 
 ROOM = (60.0, 0.0, 860.0, 700.0)
 REPORT = {
@@ -97,38 +98,20 @@ def test_toolbar_and_sidebar_are_left_free() -> None:
 
 
 def test_it_is_painted(data) -> None:
-    gpu = pytest.importorskip("gpu")
-    if not hasattr(gpu, "init"):
-        pytest.skip("this Blender has no graphics without a window")
-    try:
-        gpu.init()
-    except SystemError as error:
-        pytest.skip(str(error))
     wide, high = 800, 300
-    screen = gpu.types.GPUOffScreen(wide, high)
     drawing = graph.make_drawing(data, (0, 0, wide, 2 * high), 1.0, 125)
-    from mathutils import Matrix
-
-    with screen.bind():
-        frame = gpu.state.active_framebuffer_get()
-        frame.clear(color=(0.0, 0.0, 0.0, 1.0))
-        with gpu.matrix.push_pop(), gpu.matrix.push_pop_projection():
-            gpu.matrix.load_identity()
-            gpu.matrix.load_projection_matrix(
-                Matrix(((2 / wide, 0, 0, -1), (0, 2 / high, 0, -1), (0, 0, -1, 0), (0, 0, 0, 1)))
-            )
-            graph.paint(drawing, 1.0)
-        pixels = np.array(frame.read_color(0, 0, wide, high, 4, 0, "FLOAT").to_list())
-    screen.free()
+    pixels = helpers.drawn(wide, high, lambda: graph.paint(drawing, 1.0))
     for colour in graph.COLOURS[:3]:
         assert (np.abs(pixels[..., :3] - colour).max(axis=-1) < 0.1).sum() > 100, colour
     assert pixels[200:, :, :3].max() == 0.0
 
 
 def test_it_can_be_switched_off_and_is_saved(empty, tmp_path) -> None:
-    assert empty.footwork.show_graph and empty.footwork.over_time == ""
+    assert empty.footwork.overlays.graph and empty.footwork.over_time == ""
     empty.footwork.over_time = figures.over_time(REPORT, 1, 60.0)
+    empty.footwork.overlays.graph = False
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "kept.blend"))
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "kept.blend"))
+    assert not bpy.context.scene.footwork.overlays.graph
     kept = json.loads(bpy.context.scene.footwork.over_time)
     assert kept["series"].keys() == {"root_error_cm", "yaw_error_deg", "foot_skate_cm_s"}

@@ -195,6 +195,20 @@ def test_disabled_buttons_say_why(empty) -> None:
             getattr(bpy.ops.footwork, operator)()
 
 
+def test_file_operators_want_a_file(empty) -> None:
+    for operator in ("add_takes", "import_take", "add_database"):
+        with pytest.raises(RuntimeError, match="No file chosen"):
+            getattr(bpy.ops.footwork, operator)()
+
+
+def test_takes_are_shown_all_or_none(empty, demo, tmp_path) -> None:
+    (tmp_path / "broken.bvh").write_text("HIERARCHY\nnonsense")
+    (tmp_path / "walk.bvh").write_bytes((demo / "walk.bvh").read_bytes())
+    with pytest.raises(RuntimeError, match=r"broken\.bvh"):
+        bpy.ops.footwork.import_take(directory=str(tmp_path), files=files("walk.bvh", "broken.bvh"))
+    assert not bpy.data.objects and not bpy.data.actions
+
+
 def test_one_job_at_a_time(empty, ready, monkeypatch) -> None:
     monkeypatch.setattr(job_operator, "running", job_operator.Running("footwork.bake", "Baking"))
     with pytest.raises(RuntimeError, match="Baking is still running"):

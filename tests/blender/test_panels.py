@@ -17,6 +17,7 @@ from footwork.core.settings import BAKE_PRESETS, BakeSettings, DatabaseSettings,
 from footwork.nn.settings import TrainSettings
 from footwork.operators import job_operator, training
 from footwork.panels import lists, preferences
+from footwork.properties.preferences import ADD_ON
 
 ICONS = {
     item.identifier for item in bpy.types.UILayout.bl_rna.functions["label"].parameters["icon"].enum_items
@@ -158,7 +159,7 @@ def test_the_preferences_say_whether_training_is_possible(empty, monkeypatch) ->
         monkeypatch.setattr(
             training, "find_trainer", lambda context, missing=missing: training.Trainer("python", missing)
         )
-        stored = bpy.context.preferences.addons[training.ADD_ON].preferences
+        stored = bpy.context.preferences.addons[ADD_ON].preferences
         page = SimpleNamespace(layout=Layout([], []), bl_rna=stored.bl_rna, training_python="")
         preferences.FOOTWORK_preferences.draw(page, bpy.context)
         assert says in page.layout.texts

@@ -16,6 +16,7 @@ from footwork.nn.settings import TrainSettings
 from footwork.nn.weights import read_predictor
 from footwork.operators import training
 from footwork.operators.predictor import FOOTWORK_OT_train_predictor
+from footwork.properties.preferences import ADD_ON
 
 TORCH = importlib.util.find_spec("torch") is not None
 needs_torch = pytest.mark.skipif(not TORCH, reason="torch is not installed")
@@ -56,7 +57,7 @@ def stand_in(tmp_path):
 @pytest.fixture
 def preferences():
     """The add-on's preferences, as they were afterwards."""
-    chosen = bpy.context.preferences.addons[training.ADD_ON].preferences
+    chosen = bpy.context.preferences.addons[ADD_ON].preferences
     yield chosen
     chosen.training_python = ""
 

@@ -13,7 +13,8 @@ import numpy as np
 from gpu_extras.batch import batch_for_shader
 from numpy.typing import NDArray
 
-from ..operators.figures import OverTime, read_over_time
+from ...operators.figures import OverTime, read_over_time
+from ...properties.scene import footwork_of
 
 Array = NDArray[np.floating[Any]]
 Box = tuple[float, float, float, float]
@@ -25,8 +26,6 @@ TEXT_SIZE = 11.0
 """All in pixels at a resolution scale of 1."""
 COLOURS = ((0.35, 0.66, 1.0), (1.0, 0.71, 0.26), (0.47, 0.87, 0.47), (0.9, 0.5, 0.8))
 BACK, INK, FAINT, HEAD = (0.08, 0.08, 0.08, 0.78), (0.9, 0.9, 0.9, 1.0), (1, 1, 1, 0.25), (1, 1, 1, 0.85)
-
-_handlers: list[object] = []
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,24 +47,14 @@ class Drawing:
     texts: list[Text]
 
 
-def register() -> None:
-    """Draw in every 3D viewport whose scene wants it."""
-    _handlers.append(bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_PIXEL"))
-
-
-def unregister() -> None:
-    """Draw no more."""
-    bpy.types.SpaceView3D.draw_handler_remove(_handlers.pop(), "WINDOW")
-
-
-def _draw() -> None:
-    context = bpy.context
-    footwork = context.scene.footwork
-    if not footwork.over_time or not footwork.show_graph or not context.space_data.overlay.show_overlays:
+def draw(context: bpy.types.Context) -> None:
+    """Draw the figures of the scene's last bake; nothing where there was none."""
+    over_time = footwork_of(context.scene).over_time
+    if not over_time:
         return
     scale = context.preferences.system.ui_scale
     room = free_room(context.area, context.region)
-    drawing = make_drawing(read(footwork.over_time), room, scale, context.scene.frame_current_final)
+    drawing = make_drawing(read(over_time), room, scale, context.scene.frame_current_final)
     if drawing is not None:
         paint(drawing, scale)
 
@@ -113,20 +102,20 @@ def _strip(drawing: Drawing, data: OverTime, number: int, box: Box, scale: float
     row, colour = data.rows[number], COLOURS[number % len(COLOURS)]
     known = row.values[~np.isnan(row.values)]
     box = (box[0], box[1], box[2], box[3] - LABEL * scale)
-    highest = max(1.15 * row.limit, float(known.max()) if len(known) else 0.0)
+    highest = max(1.15 * (row.limit or 0.0), float(known.max(initial=0.0)), 1e-6)
     for points in curves(row.values, data.step_s, data.seconds, box, highest):
         drawing.areas.append((_below(points, box[1]), (*colour, 0.3)))
         drawing.lines.append((np.repeat(points, 2, axis=0)[1:-1], (*colour, 1.0)))
-    y = box[1] + (box[3] - box[1]) * row.limit / highest
-    drawing.lines.append((np.array([[box[0], y], [box[2], y]]), FAINT))
+    if row.limit is not None:
+        y = box[1] + (box[3] - box[1]) * row.limit / highest
+        drawing.lines.append((np.array([[box[0], y], [box[2], y]]), FAINT))
     drawing.lines.append((np.array([[box[0], box[1]], [box[2], box[1]]]), FAINT))
     line = box[3] + 4 * scale
     value = row.at(at, data.step_s)
     now = "" if np.isnan(value) else f" {value:.1f} {row.unit}"
     drawing.texts.append(Text(f"{row.label}{now}", box[0], line))
-    drawing.texts.append(
-        Text(f"good up to {row.limit:g}, shown up to {highest:.0f}", box[2], line, right=True)
-    )
+    good = "" if row.limit is None else f"good up to {row.limit:g}, "
+    drawing.texts.append(Text(f"{good}shown up to {highest:.0f}", box[2], line, right=True))
 
 
 def _axis(drawing: Drawing, data: OverTime, box: Box, scale: float) -> None:
@@ -191,5 +180,6 @@ def paint(drawing: Drawing, scale: float) -> None:
         blf.draw(0, text.words)
 
 
-def _places(points: Array) -> Array:
+def _places(points: Array) -> Any:
+    """Points as the gpu module takes them, whose stubs know no arrays."""
     return np.column_stack([points, np.zeros(len(points))]).astype(np.float32)

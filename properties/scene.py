@@ -1,4 +1,4 @@
-"""What a scene remembers of Footwork, and the role map of an armature."""
+"""What a scene remembers of Footwork."""
 
 import bpy
 from bpy.props import (
@@ -11,96 +11,20 @@ from bpy.props import (
     StringProperty,
 )
 
-from ..bridge import armature
 from ..bridge.ground import SURFACES
-from ..core.body.skeleton import ROLES
-from ..core.settings import BakeSettings, DatabaseSettings
-from ..nn.settings import TrainSettings
-from .from_settings import property_group
+from .file_path import file_path
+from .rows import STATES, FOOTWORK_PG_database, FOOTWORK_PG_figure, FOOTWORK_PG_take
+from .settings_groups import (
+    FOOTWORK_PG_bake_settings,
+    FOOTWORK_PG_database_settings,
+    FOOTWORK_PG_train_settings,
+)
+from .version import Versioned
 
-# From 4.5 on Blender wants to be told that "//" paths are understood
-PATH_OPTIONS = {"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (4, 5, 0) else set()
-
-STATES = [
-    ("NEW", "Not read", "Not read yet", "QUESTION", 0),
-    ("OK", "Good", "Read, nothing doubtful", "CHECKMARK", 1),
-    ("DOUBT", "Doubtful", "Read, but something should be looked at", "ERROR", 2),
-    ("FAULT", "Unusable", "Cannot be used", "CANCEL", 3),
-]
-
-FOOTWORK_PG_database_settings = property_group("FOOTWORK_PG_database_settings", DatabaseSettings)
-FOOTWORK_PG_train_settings = property_group("FOOTWORK_PG_train_settings", TrainSettings)
-FOOTWORK_PG_bake_settings = property_group("FOOTWORK_PG_bake_settings", BakeSettings)
-
-
-def file_path(label: str, text: str, **options: object):
-    """A property for a file that may be relative to the .blend."""
-    return StringProperty(
-        name=label, description=text, subtype="FILE_PATH", options=PATH_OPTIONS | {"ANIMATABLE"}, **options
-    )
-
-
-class Row:
-    """A file in a list, and what was found in it."""
-
-    path: file_path("File", "The file")
-    use: BoolProperty(name="Use", description="Take part in the next step", default=True)
-    state: EnumProperty(name="State", description="What reading it gave", items=STATES)
-    seconds: FloatProperty(name="Length", description="Length in seconds", unit="TIME_ABSOLUTE")
-    found: StringProperty(name="Found", description="What was found in the file, a line each")
-    doubts: StringProperty(name="Doubts", description="What should be looked at, a line each")
-
-
-class FOOTWORK_PG_take(Row, bpy.types.PropertyGroup):
-    """A take in the list."""
-
-    leave_out: StringProperty(
-        name="Leave Out",
-        description='Seconds that stay out of the database, such as "0-1.5, 30-32"; "90-" is up to the end',
-    )
-    contacts: StringProperty(
-        name="Contacts",
-        description="Seconds in which a foot is planted or lifted, whatever is detected, such as "
-        '"L:planted:1.2-1.65, R:lifted:3-3.4"',
-    )
-
-
-class FOOTWORK_PG_database(Row, bpy.types.PropertyGroup):
-    """A motion database in the list."""
-
-    height_low: FloatProperty(
-        name="From",
-        description="Used from this headset height on, as a share of the standing eye height",
-        min=0.0,
-        max=2.0,
-        default=0.0,
-        step=1,
-    )
-    height_high: FloatProperty(
-        name="To",
-        description="Used below this headset height, as a share of the standing eye height",
-        min=0.0,
-        max=2.0,
-        default=2.0,
-        step=1,
-    )
-
-
-class FOOTWORK_PG_figure(bpy.types.PropertyGroup):
-    """One line of the Quality panel."""
-
-    value: StringProperty(name="Value", description="Mean, with its unit")
-    detail: StringProperty(name="Detail", description="Spread of the value")
-    text: StringProperty(name="Meaning", description="What the figure says")
-    good: EnumProperty(
-        name="Rating",
-        description="Whether the figure is as it should be",
-        items=[
-            ("NONE", "None", "Not rated"),
-            ("GOOD", "Good", "As it should be"),
-            ("POOR", "Poor", "Look at it"),
-        ],
-    )
+NAME = "footwork"
+"""Property of a scene that holds all of it."""
+OVERLAYS_NAME = "overlays"
+"""Property of the scene's group that holds the overlays' toggles; the panels make it from their registry."""
 
 
 def is_armature(self: bpy.types.PropertyGroup, obj: bpy.types.Object) -> bool:
@@ -113,7 +37,7 @@ def has_surface(self: bpy.types.PropertyGroup, obj: bpy.types.Object) -> bool:
     return obj.type in SURFACES
 
 
-def forget_recording(self: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
+def forget_recording(self: "FOOTWORK_PG_scene", context: bpy.types.Context) -> None:
     """What was found belongs to the file that was read."""
     self.recording_state = "NEW"
     self.recording_found = self.recording_doubts = ""
@@ -126,7 +50,7 @@ def tracker(label: str):
     )
 
 
-class FOOTWORK_PG_scene(bpy.types.PropertyGroup):
+class FOOTWORK_PG_scene(Versioned, bpy.types.PropertyGroup):
     """Everything that the Footwork panels show of a scene."""
 
     takes: CollectionProperty(type=FOOTWORK_PG_take, name="Takes", description="Motion-capture files")
@@ -268,75 +192,12 @@ class FOOTWORK_PG_scene(bpy.types.PropertyGroup):
     )
     figures_of: StringProperty(name="Last Bake", description="What the figures belong to")
     over_time: StringProperty(name="Figures over Time", description="The figures of the last bake as JSON")
-    show_graph: BoolProperty(
-        name="Graph in Viewport",
-        description="Show body to user, body direction and foot skate over time at the foot of the viewport; "
-        "the line across is the value up to which they count as good",
-        default=True,
-    )
     warnings: StringProperty(name="Warnings", description="Warnings of the last bake, a line each")
 
 
-def attribute(role: str) -> str:
-    """Name of a role's property in the role map: a dot cannot be in one."""
-    return role.replace(".", "_")
+def footwork_of(scene: bpy.types.Scene) -> FOOTWORK_PG_scene:
+    """Everything that a scene remembers of Footwork."""
+    return getattr(scene, NAME)
 
 
-def role_label(role: str) -> str:
-    """A role in people's words, without its side."""
-    return role.partition(".")[0].replace("_", " ").capitalize()
-
-
-def _bone_property(role: str):
-    def read(self: bpy.types.PropertyGroup) -> str:
-        obj = self.id_data
-        return armature.role_map(obj).get(role, "") if obj.type == "ARMATURE" else ""
-
-    def write(self: bpy.types.PropertyGroup, bone: str) -> None:
-        if self.id_data.type == "ARMATURE":
-            armature.set_role(self.id_data, role, bone)
-
-    side = {"L": "left ", "R": "right "}.get(role.partition(".")[2], "")
-    return StringProperty(
-        name=role_label(role),
-        description=f"Bone that moves as the {side}{role_label(role).lower()}; empty for none",
-        get=read,
-        set=write,
-    )
-
-
-FOOTWORK_PG_role_map = type(
-    "FOOTWORK_PG_role_map",
-    (bpy.types.PropertyGroup,),
-    {
-        "__annotations__": {attribute(role): _bone_property(role) for role in ROLES},
-        "__doc__": "Which bone plays which role: what was detected, until it is set by hand.",
-    },
-)
-
-CLASSES = (
-    FOOTWORK_PG_database_settings,
-    FOOTWORK_PG_train_settings,
-    FOOTWORK_PG_bake_settings,
-    FOOTWORK_PG_take,
-    FOOTWORK_PG_database,
-    FOOTWORK_PG_figure,
-    FOOTWORK_PG_scene,
-    FOOTWORK_PG_role_map,
-)
-
-
-def register() -> None:
-    """Add the properties to scenes and objects."""
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-    bpy.types.Scene.footwork = PointerProperty(type=FOOTWORK_PG_scene)
-    bpy.types.Object.footwork = PointerProperty(type=FOOTWORK_PG_role_map)
-
-
-def unregister() -> None:
-    """Take them away again; what was saved in files stays there."""
-    del bpy.types.Object.footwork
-    del bpy.types.Scene.footwork
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+CLASSES = (FOOTWORK_PG_scene,)

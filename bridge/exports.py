@@ -1,0 +1,111 @@
+"""The kinds of files that a bake can also be exported to: an entry in EXPORTS is all that one needs.
+
+Blender is imported only where something is written: the command line's help lists these kinds without it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..core.body.edit import resample
+from ..core.body.motion import Motion
+from ..core.errors import InputError
+from ..core.mocap.bvh import write_bvh
+from ..core.mocap.export import to_bvh
+
+if TYPE_CHECKING:
+    import bpy
+
+
+@dataclass(frozen=True, slots=True)
+class Baked:
+    """What there is to export."""
+
+    armature: bpy.types.Object
+    """In the open scene, with its action."""
+    motion: Motion
+    """The same motion as joints, at the database's rate."""
+    fps: float
+    """Frame rate of the scene."""
+
+
+@dataclass(frozen=True, slots=True)
+class Export:
+    """One kind of file."""
+
+    suffix: str
+    """With its dot, lower case."""
+    label: str
+    write: Callable[[Baked, Path], None]
+    """Writes a new file; may change what is selected in the scene."""
+
+
+def kind_of(path: str) -> Export:
+    """The kind of file that a path's suffix says.
+
+    Raises:
+        InputError: nothing is exported to this kind.
+    """
+    for export in EXPORTS:
+        if Path(path).suffix.lower() == export.suffix:
+            return export
+    raise InputError(f"{path}: cannot export to this kind of file; use {in_words()}")
+
+
+def check_targets(paths: Sequence[str]) -> None:
+    """Raise InputError before any work where something is to be exported to a kind of file that there is not."""
+    for path in paths:
+        kind_of(path)
+
+
+def in_words() -> str:
+    """All kinds, such as "FBX (.fbx), glTF (.glb) or BVH (.bvh)"."""
+    *most, last = (f"{export.label} ({export.suffix})" for export in EXPORTS)
+    return f"{', '.join(most)} or {last}" if most else last
+
+
+def _write_bvh(baked: Baked, path: Path) -> None:
+    write_bvh(path, to_bvh(resample(baked.motion, baked.fps), baked.armature.name))
+
+
+def _write_fbx(baked: Baked, path: Path) -> None:
+    import bpy
+
+    _select(baked.armature)
+    bpy.ops.export_scene.fbx(
+        filepath=str(path),
+        use_selection=True,
+        add_leaf_bones=False,
+        bake_anim_use_all_actions=False,
+        bake_anim_use_nla_strips=False,
+        bake_anim_simplify_factor=0.0,
+    )
+
+
+def _write_glb(baked: Baked, path: Path) -> None:
+    import bpy
+
+    _select(baked.armature)
+    bpy.ops.export_scene.gltf(
+        filepath=str(path), use_selection=True, export_format="GLB", export_animation_mode="ACTIVE_ACTIONS"
+    )
+
+
+def _select(armature: bpy.types.Object) -> None:
+    """Select the armature and the meshes it moves."""
+    import bpy
+
+    for obj in bpy.context.scene.objects:
+        obj.select_set(obj == armature or obj.find_armature() == armature)
+    bpy.context.view_layer.objects.active = armature
+
+
+EXPORTS = (
+    Export(".fbx", "FBX", _write_fbx),
+    Export(".glb", "glTF", _write_glb),
+    Export(".bvh", "BVH", _write_bvh),
+)
+"""Every kind, in the order of the help."""

@@ -1,0 +1,119 @@
+"""Batch bakes: the scene that a rig is opened in, and that is written to a .blend with its exports."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import bpy
+
+from ..core.body.motion import Motion
+from ..core.errors import InputError
+from ..core.files import write_together
+from ..core.pipeline import BakeResult
+from ..core.rig.ground import Ground
+from ..core.rig.rig import Rig
+from .action import write_action
+from .armature import armature_to_rig, create_armature, rig_doubts
+from .exports import Baked, kind_of
+from .ground import chosen_ground
+from .load import append, armature_of, check_ground, open_rig, split_rig
+
+
+@dataclass(slots=True)
+class Target:
+    """The scene that a batch bake writes into."""
+
+    rig: Rig | None
+    """The rig found in a file; None until one is made from the database."""
+    object_name: str
+    fps: float
+    doubts: tuple[str, ...] = ()
+    """What on the rig will show in the bake."""
+    motion: Motion | None = None
+    """What was written, for exports that Blender does not do."""
+
+    @property
+    def name(self) -> str:
+        """Name of the animated armature."""
+        return self.object_name
+
+    def ground(self, spec: str) -> Ground:
+        """What is to be stood on, brought into the scene where it is from another file than the rig.
+
+        Args:
+            spec: FILE.blend or FILE.blend:NAME of an object or a collection; everything in the file by default.
+
+        Raises:
+            InputError: the file, or what is named in it, cannot be used.
+        """
+        path, name = split_rig(spec)
+        check_ground(path)
+        scene = bpy.context.scene
+        if bpy.data.filepath and Path(bpy.data.filepath).resolve() == path.resolve():
+            found = bpy.data.objects.get(name) or bpy.data.collections.get(name)
+            if not name:
+                found = scene.collection
+        else:
+            found = append(path, name)
+        if found is None:
+            raise InputError(f"{path}: no object or collection {name!r} in it; give one as FILE.blend:NAME")
+        bpy.context.view_layer.update()
+        rig = bpy.data.objects.get(self.object_name) if self.rig else None
+        ground = chosen_ground(scene, [found], rig)
+        assert ground is not None
+        return ground
+
+    def write(self, result: BakeResult, recording: str) -> None:
+        """Give the rig its action, made first where the file had none, and fit the scene to it."""
+        scene = bpy.context.scene
+        if self.rig is None:
+            self.object_name = create_armature(result.rig, result.rig.name, scene.collection).name
+        armature = bpy.data.objects[self.object_name]
+        times = [float(time) for time in result.transition_times]
+        write_action(armature, result.tracks, recording, fps=self.fps, marker_times=times)
+        scene.frame_start, scene.frame_end = 1, max(len(result.tracks.rotations), 1)
+        scene.frame_set(1)
+        self.motion = result.motion
+
+    def save(self, output: str, exports: Sequence[str]) -> None:
+        """Write the .blend and every export, all of them or none."""
+        assert self.motion is not None
+        baked = Baked(bpy.data.objects[self.object_name], self.motion, self.fps)
+        writers = {path: partial(kind_of(path).write, baked) for path in exports}
+        write_together({**writers, output: _save_copy})
+
+
+def open_target(spec: str | None, fps: float) -> Target:
+    """Start from an empty scene, or from a file with the rig.
+
+    Args:
+        spec: FILE or FILE:OBJECT; None for a rig made from the database.
+        fps: frame rate that the scene gets.
+
+    Raises:
+        InputError: the file or the object in it cannot be used.
+    """
+    if spec is None:
+        bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+        _set_rate(fps)
+        return Target(None, "", fps)
+    path, object_name = split_rig(spec)
+    open_rig(path)
+    _set_rate(fps)
+    armature = armature_of(path, object_name)
+    bpy.context.view_layer.update()
+    return Target(armature_to_rig(armature), armature.name, fps, rig_doubts(armature))
+
+
+def _set_rate(fps: float) -> None:
+    """Scene rate: whole numbers as they are, others as a whole rate over a base."""
+    render = bpy.context.scene.render
+    render.fps = max(1, round(fps))
+    render.fps_base = render.fps / fps
+
+
+def _save_copy(path: Path) -> None:
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True, check_existing=False)

@@ -1,0 +1,53 @@
+"""The registry of exports: an entry is all that a kind of file needs."""
+
+from __future__ import annotations
+
+import bpy
+import pytest
+from footwork.bridge import compat, exports
+from footwork.bridge.exports import Export
+from footwork.cli import main
+from footwork.core.mocap.takes import load_take
+
+
+def help_of_bake(capsys) -> str:
+    assert main(["bake", "--help"]) == 0
+    return " ".join(capsys.readouterr().out.split())
+
+
+def bake(database, recording, output, *more: str) -> int:
+    inputs = [str(recording), "--database", str(database), "--predictor", "headset", "--search", "greedy"]
+    return main(["bake", *inputs, "--to", "2", "-o", str(output), *more])
+
+
+def test_an_entry_adds_a_kind_of_file(database, recording, tmp_path, monkeypatch, capsys) -> None:
+    def write(baked, path) -> None:
+        curves = compat.fcurves_of(baked.armature)
+        path.write_text(f"{baked.armature.name} {len(curves)} {len(baked.motion)} {baked.fps}")
+
+    assert "toy" not in help_of_bake(capsys)
+    monkeypatch.setattr(exports, "EXPORTS", (*exports.EXPORTS, Export(".toy", "Toy Train", write)))
+    assert "FBX (.fbx), glTF (.glb), BVH (.bvh) or Toy Train (.toy)" in help_of_bake(capsys)
+    out = tmp_path / "run.TOY"
+    assert bake(database, recording, tmp_path / "run.blend", "--export", str(out)) == 0
+    name, curves, frames, fps = out.read_text().rsplit(" ", 3)
+    assert name in bpy.data.objects and int(curves) > 60 and float(fps) == 60.0 and int(frames) == 121
+
+
+def test_other_kinds_are_refused_before_any_work(database, recording, tmp_path, capsys) -> None:
+    output = tmp_path / "run.blend"
+    assert bake(database, recording, output, "--export", str(tmp_path / "run.toy")) == 2
+    assert "run.toy: cannot export to this kind of file; use FBX (.fbx)" in capsys.readouterr().err
+    assert not output.exists()
+
+
+@pytest.mark.parametrize("export", exports.EXPORTS, ids=lambda export: export.suffix)
+def test_each_kind_is_written(database, recording, tmp_path, export) -> None:
+    out = tmp_path / f"run{export.suffix}"
+    assert bake(database, recording, tmp_path / "run.blend", "--export", str(out)) == 0
+    if export.suffix == ".bvh":
+        assert len(load_take(out).motion) == pytest.approx(121, abs=1)
+        return
+    bpy.ops.wm.read_homefile(use_empty=True)
+    (bpy.ops.import_scene.fbx if export.suffix == ".fbx" else bpy.ops.import_scene.gltf)(filepath=str(out))
+    assert "ARMATURE" in {obj.type for obj in bpy.data.objects} and bpy.data.actions
