@@ -1,6 +1,6 @@
 """The kinds of files that a bake can also be exported to: an entry in EXPORTS is all that one needs.
 
-Blender is imported only where something is written: the command line's help lists these kinds without it.
+What writes is imported only where something is written: the command line's help lists these kinds without it.
 """
 
 from __future__ import annotations
@@ -10,14 +10,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..core.body.edit import resample
-from ..core.body.motion import Motion
 from ..core.errors import InputError
-from ..core.mocap.bvh import write_bvh
-from ..core.mocap.export import to_bvh
 
 if TYPE_CHECKING:
     import bpy
+
+    from ..core.body.motion import Motion
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,6 +66,10 @@ def in_words() -> str:
 
 
 def _write_bvh(baked: Baked, path: Path) -> None:
+    from ..core.body.edit import resample
+    from ..core.mocap.bvh import write_bvh
+    from ..core.mocap.export import to_bvh
+
     write_bvh(path, to_bvh(resample(baked.motion, baked.fps), baked.armature.name))
 
 

@@ -46,7 +46,7 @@ def sample_objects(
             scene.frame_set(frame)
             for column, obj in enumerate(objects):
                 place, turn, _ = obj.matrix_world.decompose()
-                positions[index, column], rotations[index, column] = tuple(place), tuple(turn)
+                positions[index, column], rotations[index, column] = place[:], turn[:]
     finally:
         scene.frame_set(current, subframe=subframe)
     return positions, quat.continuous(rotations)

@@ -64,7 +64,7 @@ for package in (footwork.core, footwork.nn):
             importlib.import_module(module.name)
 # the command line's help is made without Blender
 import footwork.cli
-footwork.cli.make_parser().format_help()
+footwork.cli.parser.make_parser().format_help()
 print("all imported")
 """
 

@@ -102,19 +102,20 @@ def _strip(drawing: Drawing, data: OverTime, number: int, box: Box, scale: float
     row, colour = data.rows[number], COLOURS[number % len(COLOURS)]
     known = row.values[~np.isnan(row.values)]
     box = (box[0], box[1], box[2], box[3] - LABEL * scale)
-    highest = max(1.15 * (row.limit or 0.0), float(known.max(initial=0.0)), 1e-6)
+    limit = 0.0 if row.limit is None else row.limit
+    highest = max(1.15 * limit, float(known.max()) if len(known) else 0.0) or 1.0
     for points in curves(row.values, data.step_s, data.seconds, box, highest):
         drawing.areas.append((_below(points, box[1]), (*colour, 0.3)))
         drawing.lines.append((np.repeat(points, 2, axis=0)[1:-1], (*colour, 1.0)))
     if row.limit is not None:
-        y = box[1] + (box[3] - box[1]) * row.limit / highest
+        y = box[1] + (box[3] - box[1]) * limit / highest
         drawing.lines.append((np.array([[box[0], y], [box[2], y]]), FAINT))
     drawing.lines.append((np.array([[box[0], box[1]], [box[2], box[1]]]), FAINT))
     line = box[3] + 4 * scale
     value = row.at(at, data.step_s)
     now = "" if np.isnan(value) else f" {value:.1f} {row.unit}"
     drawing.texts.append(Text(f"{row.label}{now}", box[0], line))
-    good = "" if row.limit is None else f"good up to {row.limit:g}, "
+    good = "" if row.limit is None else f"good up to {limit:g}, "
     drawing.texts.append(Text(f"{good}shown up to {highest:.0f}", box[2], line, right=True))
 
 

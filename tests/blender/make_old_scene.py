@@ -1,7 +1,7 @@
-"""Make the file that an upgrade of scenes is tested with: `python tests/blender/make_old_scene.py ROOT OUT.blend`.
+"""Make the file that an upgrade is tested with: `python tests/blender/make_old_scene.py ROOT old_scene_N.blend`.
 
 Run it with ROOT at the code before a new upgrade step, in the oldest Blender that Footwork supports, and put
-OUT.blend and OUT.json, the values in it, beside this script: `test_upgrade.py` opens every `old_scene_N.blend`.
+old_scene_N.blend and .json, the values in it, beside this script: `test_upgrade.py` opens every `old_scene_N.blend`.
 Every property of the scene's settings gets a value that is not its default; all names and paths are made up.
 """
 
@@ -40,6 +40,8 @@ def main(root: Path, target: Path) -> None:
     scene = bpy.context.scene
     make_objects(scene)
     fill(scene.footwork)
+    if "version" in scene.footwork.bl_rna.properties:
+        scene.footwork.version = int(target.stem.rpartition("_")[2])
     for role, bone in zip(all_roles(), BONES, strict=True):
         setattr(scene.footwork.rig.footwork, role, bone)
     # without Blender's windows, which keep folders of the one who made the file

@@ -16,7 +16,7 @@ def help_of_bake(capsys) -> str:
 
 
 def bake(database, recording, output, *more: str) -> int:
-    inputs = [str(recording), "--database", str(database), "--predictor", "headset", "--search", "greedy"]
+    inputs = [str(recording), "--database", str(database), "--search", "greedy"]
     return main(["bake", *inputs, "--to", "2", "-o", str(output), *more])
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 
 import bpy
 import helpers
@@ -60,6 +61,17 @@ def test_the_drawing_stays_in_its_room_and_says_what_it_shows(data) -> None:
         assert {"Body to user 10.0 cm", "Foot skate", "good up to 15, shown up to 30", "0 s", "3 s"} <= {
             *words
         }
+
+
+def test_a_figure_without_a_limit_has_no_line_for_it(data) -> None:
+    rows = [replace(row, limit=None, values=0.0 * row.values) for row in data.rows]
+    bare = graph.make_drawing(replace(data, rows=tuple(rows)), ROOM, 1.0, 125)
+    faint = [
+        len([1 for _, colour in made.lines if colour == graph.FAINT])
+        for made in (graph.make_drawing(data, ROOM, 1.0, 125), bare)
+    ]
+    assert faint[0] - faint[1] == len(data.rows)
+    assert [text.words for text in bare.texts if text.right] == ["shown up to 1"] * len(data.rows)
 
 
 def test_the_line_at_the_current_frame_goes_along(data) -> None:

@@ -26,6 +26,7 @@ def values_of(path: Path) -> dict[str, Any]:
     """What was set in an old file, under today's names."""
     values = json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))
     version, scene = int(path.stem.rpartition("_")[2]), values["scene"]
+    scene.pop("version", None)
     if version < 1:
         scene["overlays"] = {"graph": scene.pop("show_graph")}
         if "feet" in bpy.context.scene.footwork.bake.bl_rna.properties:
