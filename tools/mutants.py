@@ -1,9 +1,10 @@
 """Mutation testing: how many small faults, put into a package one at a time, do that package's own tests notice?
 
 mutmut makes the faults and runs, for each, the tests that call the changed function. It wants the package in a folder
-of its name, so it works on a copy in a temporary folder. Whatever it leaves alive is run once more against all tests of
-the package in a fresh process: mutmut credits what a shared fixture calls to one test alone, and forks after test
-modules were imported. Real motion data is hidden from the tests, so the score is the same on every machine.
+of its name, so it works on a copy in a temporary folder. What it does not kill is run once more against all tests of
+the package in a fresh process: mutmut credits what a shared fixture calls to one test alone, forks after test modules
+were imported, and takes a busy machine for an endless loop. Real motion data is hidden from the tests, so the score is
+the same on every machine.
 
 What does not count is said in `RULES` and counted in the table. mutmut never changes: texts of `raise`, docstrings,
 annotations, decorated functions (properties, cached ones), constants of modules, and calls of `len` and `isinstance`.
@@ -42,14 +43,24 @@ SETTINGS = r"""
 [tool.mutmut]
 source_paths = ["footwork"]
 only_mutate = ["footwork/core/{package}/*"]
-also_copy = ["docs"]
-pytest_add_cli_args = ["-p", "no:cacheprovider", "--hypothesis-profile=ci"]
+also_copy = ["docs", "without_shrinking.py"]
+pytest_add_cli_args = {arguments}
 pytest_add_cli_args_test_selection = ["tests/core/{package}"]
 do_not_mutate_patterns = ['^\s*raise\b']
 use_git_change_detection = false
 process_isolation = "forkserver"
-timeout_constant = 2.0
-timeout_multiplier = 8.0
+timeout_constant = 10.0
+timeout_multiplier = 5.0
+"""
+ARGUMENTS = ["-p", "no:cacheprovider", "-p", "without_shrinking", "--hypothesis-profile=without_shrinking"]
+PROFILE = """
+from hypothesis import HealthCheck, Phase, settings
+
+settings.register_profile(
+    "without_shrinking",
+    phases=[Phase.explicit, Phase.generate],  # that a test fails is enough; the simplest example takes long to find
+    derandomize=True, deadline=None, database=None, suppress_health_check=[HealthCheck.too_slow],
+)
 """
 
 
@@ -207,7 +218,10 @@ def copy(folder: Path, package: str) -> None:
         shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
     (folder / "mutants").mkdir()  # mutmut's copy with the mutants: on the path from the start
     project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
-    (folder / "pyproject.toml").write_text(project + SETTINGS.format(package=package), encoding="utf-8")
+    settings = SETTINGS.format(package=package, arguments=ARGUMENTS)
+    (folder / "pyproject.toml").write_text(project + settings, encoding="utf-8")
+    for place in (folder, folder / "mutants"):
+        (place / "without_shrinking.py").write_text(PROFILE, encoding="utf-8")
 
 
 def all_mutants(folder: Path, package: str) -> list[Mutant]:
@@ -255,22 +269,11 @@ def by_mutmut(folder: Path, names: list[str], workers: int, log: Path) -> dict[s
 
 def in_fresh_process(folder: Path, package: str, name: str, limit: float) -> str:
     """What all tests of the package make of a mutant, from the import on; `` for the code as it is."""
-    command = [
-        sys.executable,
-        "-m",
-        "pytest",
-        "-x",
-        "-q",
-        "-p",
-        "no:cacheprovider",
-        "--hypothesis-profile=ci",
-    ]
+    command = [sys.executable, "-m", "pytest", "-x", "-q", *ARGUMENTS, f"tests/core/{package}"]
     env = {**environment(folder), "MUTANT_UNDER_TEST": name}
     try:
-        done = subprocess.run(
-            [*command, f"tests/core/{package}"],
-            cwd=folder / "mutants", env=env, capture_output=True, timeout=limit, check=False,
-        )  # fmt: skip
+        place = folder / "mutants"
+        done = subprocess.run(command, cwd=place, env=env, capture_output=True, timeout=limit, check=False)
     except subprocess.TimeoutExpired:
         return "timeout"
     return "killed" if done.returncode else "survived"
@@ -279,15 +282,14 @@ def in_fresh_process(folder: Path, package: str, name: str, limit: float) -> str
 def judge(folder: Path, package: str, chosen: list[Mutant], workers: int, log: Path) -> dict[Mutant, str]:
     """The fate of each chosen mutant: `killed`, `timeout` or `survived`."""
     fates = by_mutmut(folder, [mutant.name for mutant in chosen], workers, log)
-    sure = {m: fates[m.name] for m in chosen if fates[m.name] in ("killed", "timeout")}
     began = time.monotonic()
     if in_fresh_process(folder, package, "", 600.0) != "survived":
         raise SystemExit(f"the tests of {package} fail without any mutant")
-    limit = 10.0 + 5.0 * (time.monotonic() - began)
-    open_yet = [mutant for mutant in chosen if mutant not in sure]
+    limit = 30.0 + 10.0 * (time.monotonic() - began)
+    doubtful = [mutant for mutant in chosen if fates[mutant.name] != "killed"]
     with ThreadPoolExecutor(workers) as pool:
-        again = pool.map(lambda mutant: in_fresh_process(folder, package, mutant.name, limit), open_yet)
-        return {**sure, **dict(zip(open_yet, again, strict=True))}
+        again = pool.map(lambda mutant: in_fresh_process(folder, package, mutant.name, limit), doubtful)
+        return {**dict.fromkeys(chosen, "killed"), **dict(zip(doubtful, again, strict=True))}
 
 
 def choose(mutants: list[Mutant], package: str, count: int | None, seed: int) -> list[Mutant]:
