@@ -1,4 +1,4 @@
-# Footwork: `make demo`, `make test`, `make bench`. Needs git, make and Python 3.11 (bpy 4.5) or 3.13 (bpy 5.2).
+# Footwork: `make demo`, `make test`, `make bench`, `make mutants`. Needs git, make and Python 3.11 (bpy 4.5) or 3.13 (bpy 5.2).
 # A pythonX.Y on the path may be pyenv's launcher with no such version behind it: ask it, then look where pyenv keeps them.
 find_python = $(firstword $(shell for p in $$(command -v python$(1)) $$HOME/.pyenv/versions/$(1)*/bin/python$(1); do \
 	$$p -c 'import ensurepip' 2>/dev/null && echo $$p; done))
@@ -14,13 +14,14 @@ TORCH ?= $(if $(filter bpy==4.5.15,$(BPY)),torch==2.13.0)
 export OMP_NUM_THREADS ?= 2
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
-.PHONY: help venv demo test lint test-core test-blender zip bench clean
+.PHONY: help venv demo test lint test-core test-blender zip bench mutants clean
 
 help:
-	@echo "make demo   takes, databases and a bake from nothing: out/demo.blend, out/demo.mp4, out/demo.png"
-	@echo "make test   lint, types, all tests, and the extension in every Blender that can be had"
-	@echo "make bench  speed and memory, side by side with the alternatives"
-	@echo "make zip    the extension, dist/footwork-VERSION.zip"
+	@echo "make demo     takes, databases and a bake from nothing: out/demo.blend, out/demo.mp4, out/demo.png"
+	@echo "make test     lint, types, all tests, and the extension in every Blender that can be had"
+	@echo "make bench    speed and memory, side by side with the alternatives"
+	@echo "make mutants  how many small faults the tests of each package notice; MUTANTS=\"rig --all\" and the like"
+	@echo "make zip      the extension, dist/footwork-VERSION.zip"
 
 $(VENV)/.runtime: pyproject.toml
 	@test -n "$(BPY)" || { echo "Footwork's make needs Python 3.11 or 3.13; found $$($(PYTHON) --version). Set PYTHON=..."; exit 2; }
@@ -70,6 +71,10 @@ test: lint test-core test-blender
 
 bench: $(VENV)/.dev
 	timeout -k 5 3000 $(PY) tools/bench.py
+
+# Two hours for a sample of every package; see tools/mutants.py --help for what MUTANTS can say.
+mutants: $(VENV)/.dev
+	timeout -k 5 14400 $(PY) tools/mutants.py $(MUTANTS)
 
 clean:
 	rm -rf out dist build *.egg-info .pytest_cache .ruff_cache .hypothesis
