@@ -29,8 +29,7 @@ def values_of(path: Path) -> dict[str, Any]:
     scene.pop("version", None)
     if version < 1:
         scene["overlays"] = {"graph": scene.pop("show_graph")}
-        if "feet" in bpy.context.scene.footwork.bake.bl_rna.properties:
-            scene["bake"]["feet"] = "planted" if scene["bake"].pop("foot_lock") else "matched"
+        scene["bake"]["feet"] = "planted" if scene["bake"].pop("foot_lock") else "matched"
     return values
 
 
