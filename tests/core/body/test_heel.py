@@ -188,6 +188,13 @@ def test_a_heel_is_never_below_the_floor(height: float, pitch: float) -> None:
         np.testing.assert_allclose(after, before, atol=1e-12)
 
 
+def test_a_foot_high_in_the_air_stays_as_it_is() -> None:
+    turns = upright(12, 0.1)
+    toes = np.linspace(0.2, 1.4, 12)[:, None] * UP
+    result = raised(turns, toes, hips_over(turns, toes, 0.7))
+    np.testing.assert_allclose(lift_of(turns, result), 0.0, atol=1e-12)
+
+
 def distance_after(distance: float, own: float) -> tuple[float, float]:
     """Metres from thigh to ankle once the heel of a steady foot was raised, and by how much it was, radians."""
     turns = Rotation.concatenate([upright(1, 0.3)] * 40)

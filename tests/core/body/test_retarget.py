@@ -165,7 +165,7 @@ def test_any_two_bodies_share_the_world_rotations_of_their_roles(
                 "spine3",
                 "neck",
             )
-            if role not in source.roles and not chain:
+            if (not role or role not in source.roles) and not chain:
                 above = int(target.parents[joint])
                 assert degrees_between(turned[:, joint], turned[:, above]).max() < 1e-5
                 np.testing.assert_allclose(
