@@ -143,7 +143,7 @@ def raise_heel(
     # nothing changes up to the motion's own; from there on the leg grows ever less with the distance
     free = np.clip(own, (_RELAXED - 0.5 * _SOFT) * length, most)
     width = np.maximum(2.0 * (most - free), 1e-9)
-    past = np.clip(distance - free, 0.0, width)
+    past = np.minimum(distance - free, width)
     bearable = np.minimum(distance - past**2 / (2.0 * width), most)
     reaching = np.where(past > 0.0, pitch.reaching(hips, toes, bearable), pitch.angle)
     reaching = np.minimum(reaching, np.maximum(pitch.angle, _STEEPEST))

@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from . import hierarchy
+
 Array = NDArray[np.floating[Any]]
 
 SIDES = ("L", "R")
@@ -73,5 +75,10 @@ class Skeleton:
 
     def leg_length(self) -> float:
         """Thigh plus shin, metres, mean of both sides."""
-        joints = [self.joint(f"{part}.{side}") for side in SIDES for part in ("shin", "foot")]
-        return float(np.linalg.norm(self.offsets[joints], axis=-1).sum() / 2.0)
+        ends = [
+            (self.joint(f"{first}.{side}"), self.joint(f"{last}.{side}"))
+            for side in SIDES
+            for first, last in (("thigh", "shin"), ("shin", "foot"))
+        ]
+        bones = [self.offsets[hierarchy.path(self.parents, *pair)[1:]].sum(axis=0) for pair in ends]
+        return float(np.linalg.norm(bones, axis=-1).sum() / 2.0)

@@ -34,9 +34,9 @@ def savitzky_golay(values: Array, window: int, order: int = 3) -> Array:
     values = np.asarray(values, dtype=np.float64)
     frames = len(values)
     window = min(window, frames - 1 + frames % 2)
-    if window < 2:
-        return values.copy()
     half = window // 2
+    if half < 1:
+        return values.copy()
     place = np.arange(-half, half + 1) / half
     powers = np.vander(place, min(order, window - 1) + 1)
     # row i reads the fitted polynomial off at the window's i-th frame
@@ -58,7 +58,7 @@ def median(flags: NDArray[np.bool_], window: int) -> NDArray[np.bool_]:
     if half == 0 or len(flags) == 0:
         return flags.copy()
     widths = [(half, half), *[(0, 0)] * (flags.ndim - 1)]
-    counts = np.cumsum(np.pad(flags, widths, mode="edge"), axis=0, dtype=np.int64)
+    counts = np.cumsum(np.pad(flags, widths, mode="edge"), axis=0)
     counts[window:] = counts[window:] - counts[:-window]
     return counts[window - 1 :] > half
 

@@ -90,7 +90,7 @@ def from_rotation_vector(vector: Array) -> Array:
     angle: Array = np.linalg.norm(vector, axis=-1, keepdims=True)
     half = 0.5 * angle
     # sin(a/2)/a by its limit near zero, where the quotient loses all digits
-    factor = np.where(angle > 1e-8, np.sin(half) / np.maximum(angle, 1e-8), 0.5 - angle**2 / 48.0)
+    factor = np.where(angle > 1e-8, np.sin(half) / np.maximum(angle, 1e-8), 0.5)
     return np.concatenate([np.cos(half), factor * vector], axis=-1)
 
 
@@ -196,7 +196,7 @@ def between(a: Array, b: Array) -> Array:
     cosine = np.sum(a * b, axis=-1, keepdims=True)
     q = np.concatenate([1.0 + cosine, np.cross(a, b)], axis=-1)
     helper = np.where(np.abs(a[..., :1]) < 0.9, np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0]))
-    half_turn = np.concatenate([np.zeros_like(cosine), np.cross(a, helper)], axis=-1)
+    half_turn = np.concatenate([np.zeros_like(a[..., :1]), np.cross(a, helper)], axis=-1)
     return normalize(np.where(cosine < -1.0 + 1e-9, half_turn, q))
 
 

@@ -168,3 +168,88 @@ def test_cutting(walk: Motion):
     for start, stop in [(5, 5), (7, 3), (len(walk), len(walk) + 4)]:
         with pytest.raises(InputError, match="nothing is left"):
             cut(walk, start, stop)
+
+
+def line(frames: int, fps: float, body: Skeleton) -> Motion:
+    """Hips along a straight line, joints that turn evenly."""
+    times = np.arange(frames) / fps
+    axes = np.random.default_rng(0).normal(size=(len(body), 3))
+    turns = quat.from_rotation_vector(times[:, None, None] * axes)
+    return Motion(body, fps, np.array([0.1, 0.2, 0.9]) + times[:, None] * [1.0, -2.0, 0.5], turns)
+
+
+@pytest.mark.parametrize(
+    ("frames", "fps", "wanted", "count"),
+    [(2, 30.0, 60.0, 3), (2, 30.0, 59.0, 2), (2, 60.0, 30.0, 1), (3, 60.0, 30.0, 2), (3, 30.0, 10.0, 1),
+     (61, 60.0, 24.0, 25),
+     (2, 100.0, 99.999, 1), (2, 100.0, 99.999999, 2)],
+)  # fmt: skip
+def test_the_last_frame_is_the_last_that_is_covered(
+    crooked, frames: int, fps: float, wanted: float, count: int
+) -> None:
+    result = resample(line(frames, fps, crooked()), wanted)
+    assert len(result) == len(result.rotations) == count and result.fps == wanted
+    expected = line(count, wanted, crooked())
+    np.testing.assert_allclose(result.positions, expected.positions, atol=1e-7)
+    np.testing.assert_allclose(result.rotations, expected.rotations, atol=1e-7)
+
+
+def test_at_its_own_rate_and_in_one_frame_a_motion_stays(crooked, moved) -> None:
+    for motion, fps in ((moved(crooked()), 60.0), (cut(moved(crooked()), 0, 1), 25.0)):
+        result = resample(motion, fps)
+        assert result.fps == fps and result.skeleton is motion.skeleton
+        np.testing.assert_array_equal(result.positions, motion.positions)
+        np.testing.assert_array_equal(result.rotations, motion.rotations)
+
+
+def bare(*rows: tuple[str, int, str]) -> Skeleton:
+    """Joints as name, parent and role."""
+    names, parents, roles = zip(*rows, strict=True)
+    return Skeleton(names, np.array(parents), np.zeros((len(rows), 3)), roles, np.zeros((len(rows), 3)))
+
+
+def test_joints_of_the_middle_without_a_role_are_their_own_partners() -> None:
+    skeleton = bare(
+        ("hips", -1, "hips"), ("waist", 0, ""), ("chest", 1, "chest"), ("atlas", 2, ""), ("head", 3, "head"),
+        ("left", 1, "thigh.L"), ("right", 1, "thigh.R"),
+    )  # fmt: skip
+    found = mirror_joints(skeleton)
+    assert found.tolist() == [0, 1, 2, 3, 4, 6, 5] and found.dtype == np.intp
+
+
+@pytest.mark.parametrize(
+    ("rows", "name"),
+    [
+        ([("hips", -1, "hips"), ("nub", 0, "")], "nub"),
+        ([("hips", -1, "hips"), ("left", 0, "foot.L")], "left"),
+        ([("hips", -1, "hips"), ("a", 0, "thigh.L"), ("b", 0, "thigh.R"), ("c", 2, "shin.R")], "c"),
+        # the left foot hangs from a joint in between, the right one does not
+        ([("hips", -1, "hips"), ("mid", 0, ""), ("left", 1, "foot.L"), ("right", 0, "foot.R")], "mid"),
+        # each has a partner, but the partners hang elsewhere
+        ([("hips", -1, "hips"), ("head", 0, "head"), ("left", 0, "foot.L"), ("right", 1, "foot.R")], "hips"),
+    ],
+)
+def test_the_joint_that_has_no_partner_is_named(rows: list[tuple[str, int, str]], name: str) -> None:
+    with pytest.raises(InputError, match=f"joint {name} has no partner"):
+        mirror_joints(bare(*rows))
+
+
+def test_only_what_ends_in_a_side_has_one() -> None:
+    """`.L` and `.R` after the part of the body; a role of one letter or none is in the middle."""
+    skeleton = bare(
+        ("hips", -1, "hips"), ("a", 0, "hand.L"), ("b", 0, "hand.R"), ("c", 0, "R"), ("d", 0, "xL")
+    )
+    assert mirror_joints(skeleton).tolist() == [0, 2, 1, 3, 4]
+
+
+def test_one_frame_can_be_cut_out_at_either_end(crooked, moved) -> None:
+    motion = moved(crooked(), 9)
+    for start, stop, at in ((0, 1, 0), (-3, 1, 0), (8, 9, 8), (8, 99, 8), (4, 5, 4)):
+        part = cut(motion, start, stop)
+        assert part.fps == motion.fps and part.skeleton is motion.skeleton
+        np.testing.assert_array_equal(part.positions, motion.positions[at : at + 1])
+        np.testing.assert_array_equal(part.rotations, motion.rotations[at : at + 1])
+    with pytest.raises(InputError, match="frames 0 to 0 of 9"):
+        cut(motion, -2, 0)
+    with pytest.raises(InputError, match="frames 9 to 9 of 9"):
+        cut(motion, 9, 12)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from footwork.core.body.motion import Motion
-from footwork.core.body.retarget import pelvis, retarget, spine
+from footwork.core.body.retarget import pelvis, retarget, same_skeleton, spine
 from footwork.core.body.skeleton import Skeleton
 from footwork.core.mocap.demo import demo_skeleton
 from scipy.spatial.transform import Rotation, Slerp
@@ -123,3 +123,98 @@ def test_signs_are_continuous(without) -> None:
     motion = Motion(skeleton, 60.0, np.tile([0.0, 0.0, 0.9], (frames, 1)), rotations)
     moved = retarget(motion, without(scaled(skeleton, 0.9), "spine2"))
     assert (np.sum(moved.rotations[1:] * moved.rotations[:-1], axis=-1) > 0.9).all()
+
+
+def thighs(motion: Motion) -> np.ndarray:
+    """Middle of the thigh joints in the world `(T, 3)`."""
+    positions, _ = motion.forward()
+    return positions[:, [motion.skeleton.joint(f"thigh.{side}") for side in "LR"]].mean(axis=1)
+
+
+@pytest.mark.parametrize("scale_travel", [False, True])
+def test_the_middle_of_the_thighs_takes_its_way_by_leg_length(
+    crooked, unequal, moved, scale_travel: bool
+) -> None:
+    for source, target in ((crooked(2), unequal(1.5)), (unequal(1.9), crooked())):
+        motion = moved(source, 12)
+        result = retarget(motion, target, scale_travel=scale_travel)
+        assert result.skeleton is target and result.fps == motion.fps and len(result) == 12
+        ratio = target.leg_length() / source.leg_length()
+        expected = thighs(motion) * ([ratio, ratio, 1.0] if scale_travel else 1.0)
+        rest = [
+            body.tpose_positions()[[body.joint("thigh.L"), body.joint("thigh.R")], 2].mean()
+            for body in (source, target)
+        ]
+        expected[:, 2] = rest[1] + ratio * (expected[:, 2] - rest[0])
+        np.testing.assert_allclose(thighs(result), expected, atol=1e-9)
+
+
+def test_any_two_bodies_share_the_world_rotations_of_their_roles(
+    crooked, unequal, moved, degrees_between, world
+) -> None:
+    for source, target in ((crooked(2), unequal()), (unequal(), crooked(5)), (crooked(1), crooked(3))):
+        motion = moved(source)
+        result = retarget(motion, target)
+        np.testing.assert_allclose(np.linalg.norm(result.rotations, axis=-1), 1.0, atol=1e-12)
+        for role in set(source.roles) & set(target.roles) - {"", "spine1", "spine2", "spine3", "neck"}:
+            assert degrees_between(world(motion, role)[1], world(result, role)[1]).max() < 1e-5, role
+        _, turned = result.forward()
+        for joint, role in enumerate(target.roles):
+            chain = target.names[joint] in ("pelvis", "between", "atlas") or role in (
+                "spine2",
+                "spine3",
+                "neck",
+            )
+            if (not role or role not in source.roles) and not chain:
+                above = int(target.parents[joint])
+                assert degrees_between(turned[:, joint], turned[:, above]).max() < 1e-5
+                np.testing.assert_allclose(
+                    result.rotations[:, joint], [[1.0, 0, 0, 0]] * len(result), atol=1e-7
+                )
+
+
+def share_along(skeleton: Skeleton, chain: list[int]) -> np.ndarray:
+    steps = np.linalg.norm(skeleton.offsets[chain[1:]], axis=-1)
+    return np.r_[0.0, np.cumsum(steps)] / steps.sum()
+
+
+def test_a_spine_turns_in_shares_of_its_length(crooked, without, moved, turns) -> None:
+    """Between two joints of the source the target's turns are scipy's, at the same share of the chain's length."""
+    source = crooked()
+    target = without(source, "spine1")
+    motion = moved(source, 8)
+    result = retarget(motion, target)
+    _, given = motion.forward()
+    _, got = result.forward()
+    names = ("pelvis", "back", "between", "breast")
+    chain = [source.names.index(name) for name in names]
+    own = [target.names.index(name) for name in names if name in target.names]
+    knots, places = share_along(source, chain), share_along(target, own)
+    for joint, place in zip(own, places, strict=True):
+        for frame in range(8):
+            wanted = Slerp(knots, turns(given[frame, chain]))(place)
+            assert (wanted * turns(got[frame, joint]).inv()).magnitude() < 1e-6
+
+
+def test_a_spine_bone_without_length_is_passed_over(crooked, without, moved, degrees_between, world) -> None:
+    source = crooked()
+    offsets = source.offsets.copy()
+    offsets[source.names.index("between")] = 0.0
+    motion = moved(replace(source, offsets=offsets))
+    result = retarget(motion, without(source, "spine1"))
+    assert np.isfinite(result.rotations).all() and np.isfinite(result.positions).all()
+    assert degrees_between(world(motion, "chest")[1], world(result, "chest")[1]).max() < 1e-5
+
+
+@pytest.mark.parametrize("what", ["names", "roles", "parents", "offsets"])
+def test_skeletons_are_the_same_only_in_every_respect(crooked, what: str) -> None:
+    body = crooked()
+    twin = crooked()
+    assert same_skeleton(body, twin) and same_skeleton(body, body)
+    changed = {
+        "names": ("root", *body.names[1:]),
+        "roles": (*body.roles[:-1], ""),
+        "parents": np.r_[body.parents[:-1], 3],
+        "offsets": body.offsets + 1e-9,
+    }
+    assert not same_skeleton(body, replace(twin, **{what: changed[what]}))

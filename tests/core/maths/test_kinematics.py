@@ -84,3 +84,29 @@ def test_forward_is_the_chain_of_scipy_and_local_rotations_lead_back(unequal, tu
         assert apart.max() < 1e-7
     back = forward_kinematics.local_rotations(world, skeleton.parents)
     assert np.abs(np.sum(back * rotations, axis=-1)).min() == pytest.approx(1.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("shape", [(), (3,), (2, 3)])
+def test_velocities_of_a_throw_are_exact_but_at_the_ends(shape: tuple[int, ...]) -> None:
+    rng = np.random.default_rng(4)
+    place, speed, gravity = rng.normal(size=(3, *shape))
+    times = (np.arange(9) / FPS).reshape(-1, *(1 for _ in shape))
+    found = kinematics.velocity(place + speed * times + gravity * times**2, FPS)
+    expected = speed + 2.0 * gravity * times
+    np.testing.assert_allclose(found[1:-1], expected[1:-1], atol=1e-12)
+    # one-sided: the velocity half a step inside
+    np.testing.assert_allclose(found[0], expected[0] + gravity / FPS, atol=1e-12)
+    np.testing.assert_allclose(found[-1], expected[-1] - gravity / FPS, atol=1e-12)
+
+
+def test_velocities_of_one_frame_are_zero_and_of_two_the_same() -> None:
+    values = np.random.default_rng(5).normal(size=(2, 4, 3))
+    rotations = quat.normalize(np.random.default_rng(6).normal(size=(2, 5, 4)))
+    for found, shape in (
+        (kinematics.velocity(values[:1], 30.0), (1, 4, 3)),
+        (kinematics.angular_velocity(rotations[:1], 30.0), (1, 5, 3)),
+    ):
+        assert found.shape == shape and not found.any()
+    np.testing.assert_allclose(kinematics.velocity(values, 30.0), [30.0 * (values[1] - values[0])] * 2)
+    turn = (scipy_of(rotations[1]) * scipy_of(rotations[0]).inv()).as_rotvec()
+    np.testing.assert_allclose(kinematics.angular_velocity(rotations, 30.0), [30.0 * turn] * 2, atol=1e-9)
