@@ -24,10 +24,10 @@ class FOOTWORK_PT_quality(Part, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, footwork = self.layout, footwork_of(context.scene)
-        if not footwork.figures:
-            layout.label(text="Nothing baked yet", icon="INFO")
-            return
-        layout.label(text=footwork.figures_of, icon="ACTION")
+        known = bool(footwork.figures)
+        layout.label(
+            text=footwork.figures_of if known else "Nothing baked yet", icon="ACTION" if known else "INFO"
+        )
         column = layout.column(align=True)
         for index, row in enumerate(footwork.figures):
             split = column.split(factor=0.55)

@@ -14,19 +14,32 @@ from bpy.app.handlers import persistent
 
 from .preferences import preferences_of
 from .scene import NAME, OVERLAYS_NAME, FOOTWORK_PG_scene, footwork_of
+from .settings_groups import FOOTWORK_PG_bake_settings
+
+
+def feet_of(locked: Any) -> str:
+    """The foot plan that the switch `foot_lock` stood for."""
+    return "planted" if locked else "matched"
 
 
 def to_scene_1(footwork: FOOTWORK_PG_scene) -> None:
     """The graph became one of the overlays, and whether feet are locked a choice of foot plans."""
     move(footwork, "show_graph", getattr(footwork, OVERLAYS_NAME), "graph", bool)
     bake = footwork.bake
-    move(bake, "foot_lock", bake, "feet", lambda locked: "planted" if locked else "matched")
+    move(bake, "foot_lock", bake, "feet", feet_of)
 
 
 SCENE_STEPS: tuple[Callable[[Any], None], ...] = (to_scene_1,)
 """The step at index N brings a scene's settings from version N to N + 1."""
 PREFERENCES_STEPS: tuple[Callable[[Any], None], ...] = ()
 """The same for the add-on's preferences."""
+
+
+OLD_BAKE_SETTINGS: dict[str, Callable[[Any, Any], None]] = {
+    "foot_lock": lambda bake, locked: setattr(bake, "feet", feet_of(locked)),
+}
+"""Bake settings of former names, which users' own presets and scripts set: what setting one does now. Blender would
+take the value of an unknown name without a word and forget it."""
 
 
 def move(source: Any, old: str, target: Any, new: str, convert: Callable[[Any], Any]) -> None:
@@ -79,6 +92,8 @@ def _handlers() -> list[list[Callable[..., None]]]:
 
 def register() -> None:
     """Upgrade what is opened or appended from now on, and what is open as soon as Blender gives access to it."""
+    for name, set_it in OLD_BAKE_SETTINGS.items():
+        setattr(FOOTWORK_PG_bake_settings, name, property(fset=set_it))
     for handler in _handlers():
         handler.append(upgrade_all)
     bpy.app.timers.register(upgrade_all, first_interval=0.0)
@@ -90,3 +105,5 @@ def unregister() -> None:
         bpy.app.timers.unregister(upgrade_all)
     for handler in _handlers():
         handler.remove(upgrade_all)
+    for name in OLD_BAKE_SETTINGS:
+        delattr(FOOTWORK_PG_bake_settings, name)

@@ -12,6 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..body import forward_kinematics as fk
+from ..body import hierarchy
 from ..database.motion_database import MotionDatabase
 from ..maths import angles, quat
 
@@ -65,11 +67,11 @@ def _fit(inputs: Array, outputs: Array, tremor: Array) -> Array:
 def _head_in_root_space(database: MotionDatabase, rows: slice) -> tuple[Array, Array]:
     """Positions of the head `(N, 3)` and its up axis `(N, 3)` in root space, for some rows of the poses."""
     skeleton, poses = database.skeleton, database.poses
-    chain = [skeleton.joint("head")]
-    while chain[-1] > 0:
-        chain.append(int(skeleton.parents[chain[-1]]))
-    place, turn = poses.hips_positions[rows].astype(np.float64), poses.rotations[rows, 0].astype(np.float64)
-    for joint in chain[-2::-1]:
-        place = place + quat.rotate(turn, skeleton.offsets[joint])
-        turn = quat.multiply(turn, poses.rotations[rows, joint])
-    return place, quat.rotate(turn, np.array([0.0, 0.0, 1.0]))
+    chain = hierarchy.path(skeleton.parents, 0, skeleton.joint("head"))
+    places, turns = fk.forward(
+        poses.hips_positions[rows],
+        poses.rotations[rows][:, chain],
+        skeleton.offsets[chain],
+        hierarchy.part(skeleton.parents, chain),
+    )
+    return places[:, -1], quat.rotate(turns[:, -1], np.array([0.0, 0.0, 1.0]))

@@ -30,23 +30,23 @@ def _matched_to_target(subject: Subject) -> Array:
     return measures.distances(matched, subject.targets) * CM
 
 
-def _yaw_to_prediction(subject: Subject) -> Array:
+def _yaw_to_prediction_deg(subject: Subject) -> Array:
     return np.degrees(measures.yaw_errors(subject.body.root_yaws, subject.playback.target_yaws))
 
 
-def _yaw_to_truth(subject: Subject) -> Array | None:
+def _yaw_to_truth_deg(subject: Subject) -> Array | None:
     if subject.user is None:
         return None
     return np.degrees(measures.yaw_errors(subject.body.root_yaws, subject.user.root_yaws))
 
 
-def _prediction_to_truth(subject: Subject) -> Array | None:
+def _prediction_to_truth_deg(subject: Subject) -> Array | None:
     if subject.user is None:
         return None
     return np.degrees(measures.yaw_errors(subject.playback.target_yaws, subject.user.root_yaws))
 
 
-def _doubt(subject: Subject) -> Array | None:
+def _doubt_deg(subject: Subject) -> Array | None:
     doubt = subject.yardstick.doubt
     return None if doubt is None else np.degrees(doubt)
 
@@ -93,7 +93,7 @@ METRICS = (
         "yaw error to the prediction",
         "°",
         "Heading of the hips to the predicted body orientation",
-        _yaw_to_prediction,
+        _yaw_to_prediction_deg,
         floor=True,
         series=True,
         tables=("summary", "panel", "graph"),
@@ -105,7 +105,7 @@ METRICS = (
         "yaw error to the truth",
         "°",
         "Heading of the hips to that of the true hips",
-        _yaw_to_truth,
+        _yaw_to_truth_deg,
         series=True,
     ),
     Metric(
@@ -113,7 +113,7 @@ METRICS = (
         "orientation error",
         "°",
         "Predicted body orientation to the heading of the true hips",
-        _prediction_to_truth,
+        _prediction_to_truth_deg,
         series=True,
     ),
     Metric(
@@ -121,7 +121,7 @@ METRICS = (
         "orientation doubt",
         "°",
         "Deviation that the predictor itself expects of the body orientation",
-        _doubt,
+        _doubt_deg,
         series=True,
     ),
 )

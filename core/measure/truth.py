@@ -49,11 +49,11 @@ def _local_rotations(subject: Subject, user: Body) -> tuple[Array, Array]:
     )
 
 
-def _components(subject: Subject, user: Body) -> Array:
+def _components_deg(subject: Subject, user: Body) -> Array:
     return np.degrees(measures.rotation_vector_errors(*_local_rotations(subject, user)))
 
 
-def _angles(subject: Subject, user: Body) -> Array:
+def _angles_deg(subject: Subject, user: Body) -> Array:
     return np.degrees(measures.rotation_errors(*_local_rotations(subject, user)))
 
 
@@ -65,7 +65,7 @@ def _hips_height(subject: Subject, user: Body) -> Array:
     return np.abs(subject.away[:, subject.shared_roles.index("hips"), 2]) * CM
 
 
-def _knees(subject: Subject, user: Body) -> Array:
+def _knees_deg(subject: Subject, user: Body) -> Array:
     return np.degrees(np.abs(knee_bends(subject.body) - knee_bends(user)))
 
 
@@ -119,9 +119,9 @@ METRICS = (
         "MPJRE",
         "°",
         "Components of local rotation vectors, absolute differences",
-        _if_known(_components),
+        _if_known(_components_deg),
     ),
-    Metric("mpjae_deg", "MPJAE", "°", "Geodesic angle between local rotations", _if_known(_angles)),
+    Metric("mpjae_deg", "MPJAE", "°", "Geodesic angle between local rotations", _if_known(_angles_deg)),
     Metric("mpjve_cm_s", "MPJVE", "cm/s", "Joint velocities to the true ones", _if_known(_velocities)),
     Metric(
         "hips_height_error_cm",
@@ -135,6 +135,6 @@ METRICS = (
         "knee bend error",
         "°",
         "Angle between thigh and shin to the true one",
-        _if_known(_knees),
+        _if_known(_knees_deg),
     ),
 )

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..body import hierarchy
 from ..body.skeleton import ARM, LEG, SIDES, SPINE
 from ..maths import quat
 
@@ -185,11 +186,10 @@ class _Body:
     def _between(self, ancestor: int, j: int) -> Array:
         """From a joint to one below it `(3,)` in T-pose."""
         way = np.zeros(3)
-        while j != ancestor:
-            p = int(self.parents[j])
-            offset = quat.rotate(quat.conjugate(self.rest[p]), self.positions[j] - self.positions[p])
+        for child in reversed(hierarchy.path(self.parents, ancestor, j)[1:]):
+            p = int(self.parents[child])
+            offset = quat.rotate(quat.conjugate(self.rest[p]), self.positions[child] - self.positions[p])
             way += quat.rotate(self.out[p], offset)
-            j = p
         return way
 
     def _on_parent(self, j: int, pose: Array) -> Array:

@@ -106,7 +106,7 @@ def test_a_bake_without_a_rig_makes_one(empty, ready, source: str) -> None:
     assert report["metrics"]["root_error_cm"]["mean"] < 30.0
     assert len(ready.figures) > 5 and rig.name in ready.figures_of
     over_time = figures.read_over_time(ready.over_time)
-    assert len(over_time.rows) == 3 and over_time.fps == 60
+    assert len(over_time.rows) == len(figures.shown_in("graph")) >= 3 and over_time.fps == 60
     assert np.nanmean(over_time.rows[0].values) == pytest.approx(
         report["metrics"]["root_error_cm"]["mean"], rel=0.2
     )

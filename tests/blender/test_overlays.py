@@ -44,9 +44,10 @@ def test_an_entry_gives_a_toggle(empty, toy, tmp_path) -> None:
         "Show a toy train in the viewport",
         False,
     )
-    empty.footwork.figures.add()
+    # also where nothing was baked yet, since an overlay may show something else
     layout = draw_panel(panels.quality.FOOTWORK_PT_quality)
-    assert layout.properties == ["graph", "toy"] and "Toy Train" in layout.texts
+    assert layout.properties == [overlay.name for overlay in overlays.OVERLAYS]
+    assert layout.properties[-1] == "toy" and "Toy Train" in layout.texts
     empty.footwork.overlays.toy = True
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "kept.blend"))
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "kept.blend"))
@@ -54,7 +55,8 @@ def test_an_entry_gives_a_toggle(empty, toy, tmp_path) -> None:
 
 
 def test_an_entry_is_drawn_where_it_is_switched_on(empty, toy) -> None:
-    empty.footwork.overlays.graph = False
+    for overlay in overlays.OVERLAYS:
+        setattr(empty.footwork.overlays, overlay.name, False)
     context = viewport(empty)
     overlays.draw(context)
     assert toy == []
@@ -75,8 +77,6 @@ def test_an_entry_paints(empty, monkeypatch) -> None:
 
 
 def test_without_an_entry_there_is_no_toggle_left(empty) -> None:
-    assert [prop.identifier for prop in empty.footwork.overlays.bl_rna.properties] == [
-        "rna_type",
-        "name",
-        "graph",
-    ]
+    toggles = [prop.identifier for prop in empty.footwork.overlays.bl_rna.properties]
+    assert toggles == ["rna_type", "name", *(overlay.name for overlay in overlays.OVERLAYS)]
+    assert "graph" in toggles and "toy" not in toggles

@@ -73,6 +73,18 @@ def test_what_was_at_its_default_stays_there(empty) -> None:
     assert not empty.footwork.overlays.is_property_set("graph")
 
 
+@pytest.mark.parametrize(("locked", "feet"), [(False, "matched"), (True, "planted")])
+def test_own_presets_of_an_older_version_still_count(empty, tmp_path, locked: bool, feet: str) -> None:
+    bake = empty.footwork.bake
+    bake.feet = "planted" if feet == "matched" else "matched"
+    preset = tmp_path / "mine.py"
+    lines = ["import bpy", "settings = bpy.context.scene.footwork.bake", f"settings.foot_lock = {locked}"]
+    preset.write_text("\n".join([*lines, "settings.unlock_distance = 0.375"]))
+    bpy.ops.script.execute_preset(filepath=str(preset), menu_idname="FOOTWORK_PT_bake_presets")
+    assert (bake.feet, bake.unlock_distance) == (feet, 0.375)
+    assert "foot_lock" not in bake.bl_rna.properties and upgrade.stored(bake).get("foot_lock") is None
+
+
 def test_what_was_set_since_is_kept(empty) -> None:
     upgrade.stored(empty.footwork)["show_graph"] = 0
     empty.footwork.overlays.graph = True
