@@ -72,7 +72,7 @@ test: lint test-core test-blender
 bench: $(VENV)/.dev
 	timeout -k 5 3000 $(PY) tools/bench.py
 
-# Two hours for a sample of every package; see tools/mutants.py --help for what MUTANTS can say.
+# Half an hour on two cores of their own for a sample of every package; see tools/mutants.py --help for what MUTANTS can say.
 mutants: $(VENV)/.dev
 	timeout -k 5 14400 $(PY) tools/mutants.py $(MUTANTS)
 

@@ -153,7 +153,7 @@ RULES: dict[str, Callable[[Edit], object]] = {
         "strict=True" in edit.around and edit.gone in ("True", "strict=True", ",strict=True")
     ),
     # typing.cast returns its second argument whatever the first is
-    "cast": lambda edit: edit.around.startswith("cast(") and edit.come == "None",
+    "cast": lambda edit: edit.around.startswith("cast(") and re.match("None$|[\"']", edit.come),
     # where numpy puts a result, which is the same result: order=, and out= where the result is assigned as well
     "memory": lambda edit: (
         (re.search(r"\border=", edit.around) and re.fullmatch(r'(order=)?"\w"', edit.gone))
