@@ -22,6 +22,7 @@ help:
 	@echo "make bench    speed and memory, side by side with the alternatives"
 	@echo "make mutants  how many small faults the tests of each package notice; MUTANTS=\"rig --all\" and the like"
 	@echo "make zip      the extension, dist/footwork-VERSION.zip"
+	@echo "make venv     the development tools alone; make lint, make test-core: parts of make test"
 
 $(VENV)/.runtime: pyproject.toml
 	@test -n "$(BPY)" || { echo "Footwork's make needs Python 3.11 or 3.13; found $$($(PYTHON) --version). Set PYTHON=..."; exit 2; }

@@ -48,7 +48,9 @@ def add_settings(parser: argparse.ArgumentParser, settings: type, skip: Sequence
             type=type(item.default),
             default=item.default,
             choices=list(meta["choices"]) if meta["choices"] else None,
-            metavar=None if meta["choices"] else meta["unit"].upper().replace("/", "_PER_") or "N",
+            metavar=None
+            if meta["choices"]
+            else meta["unit"].upper().replace("/", "_PER_").removeprefix("1_") or "N",
             help=f"{meta['help']}{choices} (default: {shown}{unit})".replace("%", "%%"),
         )
 

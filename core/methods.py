@@ -1,7 +1,8 @@
 """Steps of the method that can be exchanged: each is one entry here, and a function that the entry names.
 
 An entry adds the method's name to the choices of its setting, and with that to the panel, the command line and the
-reports. The function is loaded when it is first used, so that this module may stand below all others.
+reports. New ones go to the end, since a scene keeps its choice by its place. The function is loaded when it is first
+used, so that this module may stand below all others.
 """
 
 from __future__ import annotations

@@ -35,7 +35,7 @@ from .settings import BakeSettings, check
 Array = NDArray[np.floating[Any]]
 
 REPORT_FORMAT = "footwork-bake-report"
-REPORT_SCHEMA = 1
+REPORT_SCHEMA = 2
 
 
 @dataclass(frozen=True, slots=True, eq=False)

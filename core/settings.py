@@ -184,7 +184,9 @@ class BakeSettings:
         high=0.5,
     )
     scale_to_rig: bool = setting(
-        True, "Scale to Rig", "Scale the recording about the floor by the rig's eye height over the user's"
+        True,
+        "Scale to Rig",
+        "Scale the recording about the floor by the height of the rig's head over that of the user's",
     )
     feet: str = setting("planted", "Feet", "Where the feet go", choices=FOOT_PLANS)
     unlock_distance: float = setting(

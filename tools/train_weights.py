@@ -2,12 +2,12 @@
 
     python tools/train_weights.py TAKES_FOLDER [look-ahead] [causal] [paper]
 
-Needs torch. Same takes and same torch give the same weights.
+Needs torch. Same takes and same torch give the same weights. They replace those in nn/weights.
 """
 
 from __future__ import annotations
 
-import sys
+import argparse
 from pathlib import Path
 
 from footwork.core.jobs import run
@@ -39,7 +39,18 @@ WEIGHTS = Path(__file__).parents[1] / "nn" / "weights"
 
 def main() -> None:
     """Train the kinds named on the command line, or all."""
-    folder, kinds = Path(sys.argv[1]), sys.argv[2:] or list(SETTINGS)
+    parser = argparse.ArgumentParser(description=str(__doc__).split("\n\n")[0])
+    parser.add_argument(
+        "folder", type=Path, metavar="TAKES_FOLDER", help="has the folders xsens, fubot_vr and cmu"
+    )
+    parser.add_argument("kinds", nargs="*", metavar="KIND", help=f"{', '.join(SETTINGS)} (default: all)")
+    options = parser.parse_args()
+    folder, kinds = options.folder, options.kinds or list(SETTINGS)
+    unknown = [kind for kind in kinds if kind not in SETTINGS]
+    if unknown:
+        parser.error(f"{unknown[0]} is none of {', '.join(SETTINGS)}")
+    if not folder.is_dir():
+        parser.error(f"{folder}: no such folder")
     takes: list[Take] = []
     licences: dict[str, str] = {}
     for pattern, licence in ALLOWED.items():

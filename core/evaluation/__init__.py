@@ -1,1 +1,1 @@
-"""Measures of a bake, with their floors in true motion."""
+"""Takes as users: bakes compared with the truth, the paper's experiments, limits, the report page."""

@@ -17,6 +17,6 @@ class Schedule:
     times: Frames
     """`(K,)` frames of the recording at which was searched, ascending, the first 0."""
     frames: Frames
-    """`(K,)` frames of the database played from there."""
+    """`(K,)` frames of the database played from there; up to the next time what follows must stay in one clip."""
     changes: NDArray[np.bool_]
     """`(K,)` whether something else plays than what would have followed."""

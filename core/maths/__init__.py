@@ -1,1 +1,1 @@
-"""Quaternions, angles, kinematics and filters over arrays."""
+"""Quaternions, angles, vectors, filters and time derivatives over arrays."""

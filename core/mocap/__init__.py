@@ -1,1 +1,1 @@
-"""Takes: BVH in and out, skeletons, joint roles, T-poses."""
+"""Takes: BVH in and out, joint roles by name, T-poses, floor, checks, procedural takes."""

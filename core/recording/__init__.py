@@ -1,1 +1,1 @@
-"""Three-tracker recordings: readers, resampling, calibration, simulation from takes."""
+"""Three-tracker recordings: readers, repair, resampling, calibration, simulation from takes."""

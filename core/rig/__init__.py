@@ -1,1 +1,1 @@
-"""Rigs: retargeting, inverse kinematics, foot lock, head and hands."""
+"""Rigs: what they are and how motion fits them; foot plan, locked feet, ground, head and hands."""

@@ -18,6 +18,7 @@ from footwork.properties.preferences import ADD_ON
 from make_old_scene import read
 
 HERE = Path(__file__).parent
+NOW = len(upgrade.SCENE_STEPS)
 OLD = sorted(HERE.glob("old_scene_*.blend"))
 FIRST = str(HERE / "old_scene_0.blend")
 
@@ -50,7 +51,7 @@ def assert_within(expected: Any, found: Any, where: str) -> None:
 def test_every_value_of_an_old_scene_arrives(empty, path: Path) -> None:
     bpy.ops.wm.open_mainfile(filepath=str(path))
     footwork = bpy.context.scene.footwork
-    assert footwork.version == len(upgrade.SCENE_STEPS)
+    assert footwork.version == NOW
     expected = values_of(path)
     assert len(expected["scene"]) > 40 and len(expected["scene"]["takes"]) == 3
     assert_within(expected["scene"], read(footwork), "scene.footwork")
@@ -65,7 +66,7 @@ def test_old_values_are_moved_once(empty, tmp_path) -> None:
     for _ in range(2):
         bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "new.blend"))
         bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "new.blend"))
-    assert bpy.context.scene.footwork.overlays.graph and bpy.context.scene.footwork.version == 1
+    assert bpy.context.scene.footwork.overlays.graph and bpy.context.scene.footwork.version == NOW
 
 
 def test_what_was_at_its_default_stays_there(empty) -> None:
@@ -96,7 +97,7 @@ def test_saved_scenes_have_a_version_and_untouched_ones_nothing_of_ours(empty, t
     empty.footwork.frame_start = 7
     bpy.data.scenes.new("Untouched")
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "new.blend"))
-    assert empty.footwork.version == 1
+    assert empty.footwork.version == NOW
     assert not bpy.data.scenes["Untouched"].is_property_set("footwork")
 
 
@@ -107,7 +108,7 @@ def test_a_scene_of_an_old_file_is_upgraded_in_a_new_one(empty, tmp_path, link: 
     (scene,) = here.scenes
     if not hasattr(bpy.app.handlers, "blend_import_post"):
         bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "with_it.blend"))
-    assert scene.footwork.version == 1 and not scene.footwork.overlays.graph
+    assert scene.footwork.version == NOW and not scene.footwork.overlays.graph
 
 
 def test_a_file_that_is_open_when_the_extension_is_enabled(empty) -> None:
@@ -121,14 +122,14 @@ def test_a_file_that_is_open_when_the_extension_is_enabled(empty) -> None:
 
 
 def test_a_later_step_is_one_entry(empty, monkeypatch) -> None:
-    def to_scene_2(footwork) -> None:
+    def to_next(footwork) -> None:
         upgrade.move(footwork, "speed", footwork, "frame_start", lambda speed: speed * 10)
 
-    monkeypatch.setattr(upgrade, "SCENE_STEPS", (*upgrade.SCENE_STEPS, to_scene_2))
-    empty.footwork.version = 1
+    monkeypatch.setattr(upgrade, "SCENE_STEPS", (*upgrade.SCENE_STEPS, to_next))
+    empty.footwork.version = NOW
     upgrade.stored(empty.footwork)["speed"] = 3
     upgrade.upgrade_all()
-    assert empty.footwork.frame_start == 30 and empty.footwork.version == 2
+    assert empty.footwork.frame_start == 30 and empty.footwork.version == NOW + 1
 
 
 def test_preferences_have_steps_of_their_own(empty, monkeypatch) -> None:
