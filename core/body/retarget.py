@@ -87,7 +87,7 @@ def _resample(
         return dict.fromkeys(chains[1], given[chains[0][0]])
     knots, places = _arc(source, chains[0]), _arc(target, chains[1])
     before = np.clip(np.searchsorted(knots, places, side="right") - 1, 0, len(knots) - 2)
-    shares = np.clip((places - knots[before]) / (knots[before + 1] - knots[before]), 0.0, 1.0)
+    shares = (places - knots[before]) / (knots[before + 1] - knots[before])
     return {
         joint: quat.slerp(given[chains[0][k]], given[chains[0][k + 1]], share)
         for joint, k, share in zip(chains[1], before.tolist(), shares, strict=True)

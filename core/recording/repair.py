@@ -147,7 +147,7 @@ def _usable(track: Track) -> Track:
 
 def _runs(flags: NDArray[np.bool_]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """First and last index of each run of True."""
-    edges = np.diff(np.r_[False, flags, False].astype(np.int8))
+    edges = np.diff(np.r_[0, flags, 0])
     return np.flatnonzero(edges == 1), np.flatnonzero(edges == -1) - 1
 
 

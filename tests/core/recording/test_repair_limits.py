@@ -74,6 +74,25 @@ def test_the_movement_of_what_is_not_tracked_does_not_count(wander, repaired) ->
     assert lost(repaired(given), 1) == []
 
 
+@pytest.mark.parametrize("at", [1, 64])
+def test_the_first_and_the_last_step_count_as_movement(wander, repaired, at: int) -> None:
+    given = wander(65)
+    tremor = np.random.default_rng(0).normal(scale=1e-5, size=(65, 3))
+    given.positions[:] = given.positions[0]
+    given.positions[:, 2] += tremor
+    assert lost(repaired(given), 1) == []
+    given.positions[at:, 2] += 0.002
+    result = repaired(given)
+    assert lost(result, 1) == list(range(65)) and lost(result, 2) == []
+
+
+def test_nothing_tells_that_the_only_tracked_one_is_frozen(wander, repaired) -> None:
+    given = wander(200)
+    given.positions[100:151, 1] = given.positions[100, 1]
+    given.valid[100:151, [0, 2]] = False
+    assert lost(repaired(given), 1) == []
+
+
 def test_two_stretches_of_standing_still_are_told_together(wander, repaired) -> None:
     given = wander(300)
     for first in (50, 150):
