@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import itertools
 import json
+import math
 import os
-import zipfile
-import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,8 +14,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.errors import InputError
+from ..core.bounds import LAYERS, NETWORKS, WIDTH
+from ..core.errors import FaultError, InputError
 from ..core.files import write_atomically
+from ..core.npz import Npz, open_npz, write_npz
 from .inputs import INPUTS, Scaler
 from .network import Network
 from .windows import WindowLayout
@@ -79,7 +80,7 @@ def save_predictor(path: str | os.PathLike[str], predictor: Predictor) -> None:
         "provenance": dict(predictor.provenance),
     }
     text = np.frombuffer(json.dumps(header, sort_keys=True).encode(), dtype=np.uint8)
-    write_atomically(path, lambda file: np.savez_compressed(file, header=text, **arrays))
+    write_atomically(path, lambda file: write_npz(file, {"header": text, **arrays}, compressed=True))
 
 
 def read_predictor(path: str | os.PathLike[str]) -> Predictor:
@@ -88,36 +89,18 @@ def read_predictor(path: str | os.PathLike[str]) -> Predictor:
     Raises:
         InputError: the file is missing, no predictor, of a newer schema, or damaged; one line says which.
     """
-    arrays = read_arrays(path, f"{path}: is no complete predictor file; train or copy it again")
-    return _from_arrays(arrays, f"{path}")
-
-
-def read_arrays(path: str | os.PathLike[str], otherwise: str) -> dict[str, NDArray[Any]]:
-    """All arrays of an `.npz`, never a pickle.
-
-    Raises:
-        InputError: the file cannot be read; `otherwise` where it is not whole or something else.
-    """
+    whole = False
     try:
-        with Path(path).open("rb") as file, np.lib.npyio.NpzFile(file, allow_pickle=False) as found:
-            return {key: found[key] for key in found.files}
-    except OSError as error:
-        raise InputError(
-            f"{path}: cannot be read ({error.strerror or error}); check its name and rights"
-        ) from error
-    except (
-        ValueError,
-        EOFError,
-        KeyError,
-        RuntimeError,
-        MemoryError,
-        zlib.error,
-        zipfile.BadZipFile,
-    ) as error:
-        raise InputError(otherwise) from error
+        with open_npz(path) as arrays:
+            whole = True
+            return _from_arrays(arrays, f"{path}")
+    except FaultError as fault:
+        if whole:
+            raise _damaged(f"{path}", f"{fault}") from None
+        raise InputError(f"{path}: is no complete predictor file; train or copy it again") from None
 
 
-def _from_arrays(arrays: Mapping[str, NDArray[Any]], path: str) -> Predictor:
+def _from_arrays(arrays: Npz, path: str) -> Predictor:
     header = _header(arrays, path)
     recurrent = header["kind"] == "recurrent"
     layout = None if recurrent else _layout(arrays, header, path)
@@ -147,7 +130,7 @@ def _from_arrays(arrays: Mapping[str, NDArray[Any]], path: str) -> Predictor:
     )
 
 
-def _header(arrays: Mapping[str, NDArray[Any]], path: str) -> dict[str, Any]:
+def _header(arrays: Npz, path: str) -> dict[str, Any]:
     """The checked description; what it lacks or has of the wrong type is told apart from a foreign file."""
     try:
         header: Any = json.loads(arrays["header"].tobytes())
@@ -177,16 +160,17 @@ def _header(arrays: Mapping[str, NDArray[Any]], path: str) -> dict[str, Any]:
 def _are_sizes(sizes: Any) -> bool:
     """Whether these are the layer widths of one network or more."""
     try:
-        return bool(sizes) and all(
-            len(widths) >= 2 and all(isinstance(width, int) and 0 < width < 100_000 for width in widths)
+        return 0 < len(sizes) <= NETWORKS and all(
+            2 <= len(widths) <= LAYERS + 1
+            and all(isinstance(width, int) and 0 < width <= WIDTH for width in widths)
             for widths in sizes
         )
     except TypeError:
         return False
 
 
-def _layout(arrays: Mapping[str, NDArray[Any]], header: Mapping[str, Any], path: str) -> WindowLayout:
-    offsets = arrays.get("offsets")
+def _layout(arrays: Npz, header: Mapping[str, Any], path: str) -> WindowLayout:
+    offsets = arrays.read("offsets", 1000) if "offsets" in arrays else None
     if offsets is None or offsets.ndim != 1 or not 0 < len(offsets) < 1000 or offsets.dtype.kind != "f":
         raise _damaged(path, "its window is missing")
     if not np.all(np.diff(offsets) > 0.0) or np.min(np.abs(offsets)) > 1e-9 or np.max(np.abs(offsets)) > 60.0:
@@ -196,8 +180,8 @@ def _layout(arrays: Mapping[str, NDArray[Any]], header: Mapping[str, Any], path:
     return WindowLayout(offsets.astype(np.float64), header["rotations_every"])
 
 
-def _array(arrays: Mapping[str, NDArray[Any]], key: str, shape: tuple[int, ...], path: str) -> Array:
-    array = arrays.get(key)
+def _array(arrays: Npz, key: str, shape: tuple[int, ...], path: str) -> Array:
+    array = arrays.read(key, math.prod(shape)) if key in arrays else None
     if array is None or array.shape != tuple(shape) or array.dtype.kind != "f":
         raise _damaged(path, f"{key} is missing or not of shape {tuple(shape)}")
     if not np.all(np.isfinite(array)):

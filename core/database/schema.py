@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from typing import Any, cast
 
 import numpy as np
@@ -10,6 +11,8 @@ from numpy.typing import NDArray
 
 from ..body import hierarchy
 from ..body.skeleton import REQUIRED_ROLES, ROLES, SIDES
+from ..bounds import CLIPS, FRAMES, JOINTS, TEXTS
+from ..errors import FaultError
 from .features import horizon_frames
 from .motion_database import FEATURE_COUNT, FEATURE_GROUPS, HORIZONS_S
 
@@ -56,6 +59,9 @@ LAYOUT: dict[str, tuple[str, tuple[int | str, ...]]] = {
 """Every array beside `format`, `schema` and `producer`: kind and shape; letters are free lengths."""
 
 
+_MOST = {"K": TEXTS, "J": JOINTS, "C": CLIPS, "N": FRAMES}
+"""The letters of `LAYOUT`."""
+
 _RENAMED = {2: {"eye_height": "head_height"}}
 """For each schema since the first: the arrays that have another name from it on, old name to new."""
 
@@ -69,13 +75,14 @@ def names_in(schema: int) -> dict[str, str]:
     return names
 
 
-class FaultError(Exception):
-    """What is wrong with a file's contents; becomes an InputError that names the file."""
-
-
 def kind_of(name: str) -> np.dtype[Any]:
     """The type of a `LAYOUT` array in the file: little-endian wherever it is written."""
     return np.dtype(LAYOUT[name][0]).newbyteorder("<")
+
+
+def most_elements(name: str) -> int:
+    """How many elements a `LAYOUT` array may have, whatever the others say."""
+    return math.prod(size if isinstance(size, int) else _MOST[size] for size in LAYOUT[name][1])
 
 
 def check_arrays(arrays: Arrays) -> None:

@@ -1,0 +1,26 @@
+"""What files from outside may ask for, and what a body can be: budgets and physical bounds, each once.
+
+Budgets are compared before memory is set aside. They bound what a file makes of itself by its own size, so that small
+files stay cheap, and leave long recordings and large databases alone. Bounds are wide: they refuse what cannot be, and
+leave what is unlikely to the doubts of the readers.
+"""
+
+from __future__ import annotations
+
+Span = tuple[float, float]
+"""Least and greatest value, both allowed."""
+
+# Budgets of arrays in .npz files
+NPZ_BYTES = 1 << 34
+NPZ_DIRECTORY_BYTES = 1 << 21
+NPZ_DIRECTORY_ENTRIES = 20_000
+EXPANDED_BYTES, EXPANDED_TIMES = 64 << 20, 50
+"""All arrays that are read have together at most so many bytes, or so many times the bytes of their file."""
+TEXTS = 10_000
+"""Tags of a database, and the like."""
+JOINTS = 4096
+"""Of a hierarchy."""
+CLIPS = 1_000_000
+FRAMES = 50_000_000
+NETWORKS, LAYERS, WIDTH = 64, 16, 65_536
+"""Of a predictor: networks that vote, layers of each, numbers of a layer."""
