@@ -13,8 +13,10 @@ from pathlib import Path
 from typing import Any
 
 from ..core import jobs
-from ..core.errors import InputError
+from ..core.bounds import REPORT_BYTES
+from ..core.errors import FaultError, InputError
 from ..core.files import write_atomically
+from ..core.json_text import read_json
 from .verb import Report
 
 NO_FIGURES = "no figures: they need matplotlib (pip install matplotlib)"
@@ -28,9 +30,9 @@ def each(paths: Sequence[str], read: Callable[[str], Any]) -> list[Any]:
         try:
             results.append(read(path))
         except InputError as error:
-            faults.append(str(error))
+            faults += error.lines
     if faults:
-        raise InputError("\n".join(faults))
+        raise InputError(*faults)
     return results
 
 
@@ -109,15 +111,12 @@ def load_takes(paths: Sequence[str], fps: float | None = None) -> list[Any]:
 
 def read_report(path: str) -> Report:
     """A report of evaluate or bake; InputError where the file is none."""
+    from ..core.evaluation.compare import check_report
+
     try:
-        report = json.loads(Path(path).read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror or error}); check its name") from error
-    except ValueError as error:
-        raise InputError(f"{path}: is no JSON ({error}); give a report of evaluate or bake") from error
-    if not isinstance(report, dict) or not isinstance(report.get("metrics"), dict):
-        raise InputError(f"{path}: has no metrics; give a report of evaluate or bake")
-    return report
+        return check_report(read_json(path, "report", REPORT_BYTES))
+    except FaultError as fault:
+        raise InputError(f"{path}: {fault}; give a report of evaluate or bake") from None
 
 
 def load_databases(paths: Sequence[str]) -> list[Any]:

@@ -20,7 +20,7 @@ class InputError(ValueError):
         super().__init__("\n".join(self.lines))
 
 
-class FaultError(Exception):
+class FaultError(ValueError):
     """What is wrong with a file's content; becomes an InputError that names the file and says what to do."""
 
 

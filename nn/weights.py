@@ -14,9 +14,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.bounds import LAYERS, NETWORKS, WIDTH
+from ..core.bounds import JSON_BYTES, LAYERS, NETWORKS, WIDTH
 from ..core.errors import FaultError, InputError
 from ..core.files import write_atomically
+from ..core.json_text import parse_json
 from ..core.npz import Npz, open_npz, write_npz
 from .inputs import INPUTS, Scaler
 from .network import Network
@@ -133,9 +134,9 @@ def _from_arrays(arrays: Npz, path: str) -> Predictor:
 def _header(arrays: Npz, path: str) -> dict[str, Any]:
     """The checked description; what it lacks or has of the wrong type is told apart from a foreign file."""
     try:
-        header: Any = json.loads(arrays["header"].tobytes())
+        header: Any = parse_json(arrays.read("header", JSON_BYTES).tobytes())
         ours = header["format"] == FORMAT
-    except (KeyError, TypeError, ValueError) as error:
+    except (KeyError, TypeError, FaultError) as error:
         raise InputError(f"{path}: is no Footwork predictor; train one with train-predictor") from error
     if not ours:
         raise InputError(f"{path}: is no Footwork predictor; train one with train-predictor")

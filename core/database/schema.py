@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from typing import Any, cast
 
@@ -13,6 +12,7 @@ from ..body import hierarchy
 from ..body.skeleton import REQUIRED_ROLES, ROLES, SIDES
 from ..bounds import CLIPS, FRAMES, JOINTS, TEXTS
 from ..errors import FaultError
+from ..json_text import parse_json
 from .features import horizon_frames
 from .motion_database import FEATURE_COUNT, FEATURE_GROUPS, HORIZONS_S
 
@@ -187,8 +187,8 @@ def _check_features(arrays: Arrays) -> None:
 
 def _is_text_by_text(array: NDArray[Any]) -> bool:
     try:
-        value: Any = json.loads(str(array))
-    except (ValueError, RecursionError):
+        value: Any = parse_json(str(array).encode())
+    except FaultError:
         return False
     return isinstance(value, dict) and all(
         isinstance(item, str) for item in cast(dict[str, Any], value).values()

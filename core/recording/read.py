@@ -44,8 +44,8 @@ def read_recording(path: str | os.PathLike[str], eye_height: float | None = None
     if form is None:
         names = ", ".join(form.name for form in known)
         raise InputError(
-            f"{path}: no known recording format; known are {names}; for another table add a layout in "
-            f"{user_folder(layouts.KIND)}{layouts.layouts().note}"
+            f"{path}: no format known here; known are {names}; "
+            f"for another table: {user_folder(layouts.KIND)}{layouts.layouts().note}"
         )
     raw = form.read(content, str(path))
     return to_recording(raw, str(path), hashlib.sha256(content).hexdigest(), eye_height)

@@ -18,8 +18,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.bounds import JSON_BYTES
 from ...core.errors import FaultError, InputError
 from ...core.files import write_atomically
+from ...core.json_text import parse_json
 from ...core.mocap.take import Take
 from ...core.npz import open_npz, write_npz
 from ..inputs import Scaler
@@ -134,7 +136,7 @@ def read_checkpoint(path: str | os.PathLike[str], origin: Mapping[str, Any]) -> 
     """
     try:
         with open_npz(path) as arrays:
-            header: Any = json.loads(arrays["header"].tobytes())
+            header: Any = parse_json(arrays.read("header", JSON_BYTES).tobytes())
             if header["format"] != FORMAT:
                 raise damaged(path)
             if header["schema"] != SCHEMA:
