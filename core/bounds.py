@@ -10,6 +10,22 @@ from __future__ import annotations
 Span = tuple[float, float]
 """Least and greatest value, both allowed."""
 
+# What bodies, recordings and takes can be
+EYE_HEIGHT: Span = (0.3, 3.0)
+"""Metres: children and people on stilts are between. By option, in a file, or measured."""
+FARTHEST = 1e4
+"""Metres: nothing is farther away; larger numbers are none of a pose."""
+BODY_LENGTH: Span = (0.2, 5.0)
+"""Metres along thigh and shin and from the hips to the head."""
+BONE_SHARE = 0.7
+"""Of that length: no single bone is longer."""
+FRAME_TIME: Span = (1e-6, 10.0)
+"""Seconds between two frames of a take."""
+RECORDING_RATE: Span = (2.0, 5000.0)
+"""Samples per second."""
+BVH_NUMBER = 1e9
+"""No length, angle or count of a take is larger, in whatever unit."""
+
 LARGEST_FIGURE = 1e12
 """No figure of a report is larger, whatever its unit."""
 
@@ -31,8 +47,16 @@ JSON_DIGITS = 300
 
 TEXTS = 10_000
 """Tags of a database, and the like."""
-JOINTS = 4096
-"""Of a hierarchy."""
+JOINTS, DEPTH = 4096, 256
+"""Joints of a hierarchy, and how many may hang on one another."""
+JOINT_FRAMES = 250_000
+"""Joints times frames of a take with fewer channels than joints; with more, its numbers bound them."""
+RESAMPLED_JOINT_FRAMES, RESAMPLED_TIMES = 1_000_000, 24
+"""Another rate may make joints times frames so many, or so many times as many."""
+PAUSE_S = 600.0
+"""The longest pause of a recording."""
+PAUSE_SAMPLES, PAUSE_TIMES = 100_000, 2
+"""All its pauses are bridged with so many samples at most, or so many times as many as were recorded."""
 CLIPS = 1_000_000
 FRAMES = 50_000_000
 NETWORKS, LAYERS, WIDTH = 64, 16, 65_536

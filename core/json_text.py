@@ -77,7 +77,8 @@ def read_json(path: str | os.PathLike[str], what: str, most: int = JSON_BYTES) -
         if not Path(path).is_file():
             raise InputError(f"{path}: not a file; a {what} is a JSON file")
         with Path(path).open("rb") as file:
-            content = file.read(most + 1)
+            # asked for more, Python would take memory for as much
+            content = file.read(min(os.fstat(file.fileno()).st_size, most) + 1)
     except OSError as error:
         raise InputError(
             f"{path}: cannot be read ({error.strerror or error}); check its name and rights"

@@ -130,13 +130,13 @@ def test_a_layout_in_the_users_folder_is_read_at_once(tmp_path: Path, own: Path)
 def test_a_layout_of_the_user_takes_the_place_of_one_that_ships(tmp_path: Path, own: Path) -> None:
     shipped = json.loads((SHIPPED / layouts.KIND / "who_is_alyx.json").read_text("utf-8"))
     path = table(tmp_path / "alyx.csv", shipped)
-    assert read_recording(path).positions[0, 0, 1] == pytest.approx(-15.0)
+    assert read_recording(path, 1.6).positions[0, 0, 1] == pytest.approx(-15.0)
     (own / "mine.json").write_text(json.dumps({**shipped, "unit": "mm"}))
-    assert read_recording(path).positions[0, 0, 1] == pytest.approx(-1.5)
+    assert read_recording(path, 1.6).positions[0, 0, 1] == pytest.approx(-1.5)
     assert [form.name for form in formats.formats()].count(shipped["name"]) == 1
     # another name comes before those that ship as well
     (own / "mine.json").write_text(json.dumps({**shipped, "name": "Metres", "unit": "m"}))
-    assert read_recording(path).found["format"] == "Metres"
+    assert read_recording(path, 1.6).found["format"] == "Metres"
 
 
 def test_broken_layouts_leave_the_others_and_are_named_where_none_fits(tmp_path: Path, own: Path) -> None:
