@@ -14,7 +14,7 @@ from typing import Any
 
 from ..core import jobs
 from ..core.bounds import REPORT_BYTES
-from ..core.errors import FaultError, InputError
+from ..core.errors import FaultError, InputError, one_line
 from ..core.files import write_atomically
 from ..core.json_text import read_json
 from .verb import Report
@@ -98,14 +98,19 @@ def drawing() -> Any:
         return importlib.import_module(".figures", __package__)
 
 
+def doubt(text: str) -> None:
+    """Tell a doubt on standard error, whatever a file put into it."""
+    print(one_line(text), file=sys.stderr)
+
+
 def load_takes(paths: Sequence[str], fps: float | None = None) -> list[Any]:
     """Takes with their doubts told on standard error."""
     from ..core.mocap.takes import load_take
 
     takes = each(paths, lambda path: load_take(path, fps))
     for take in takes:
-        for doubt in take.doubts:
-            print(f"{take.file}: doubtful: {doubt}", file=sys.stderr)
+        for line in take.doubts:
+            doubt(f"{take.file}: doubtful: {line}")
     return takes
 
 

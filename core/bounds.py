@@ -19,6 +19,22 @@ BODY_LENGTH: Span = (0.2, 5.0)
 """Metres along thigh and shin and from the hips to the head."""
 BONE_SHARE = 0.7
 """Of that length: no single bone is longer."""
+HEAD_HEIGHT: Span = (0.2, 4.0)
+"""Metres from the floor to the head joint of who stands at ease."""
+LONGEST_BONE = 3.0
+"""Metres."""
+FASTEST = 1e4
+"""Metres per second: takes jump, but not farther."""
+HEIGHT_SHARE: Span = (-10.0, 10.0)
+"""Headset heights over standing eye height."""
+MOST_TURNS = 1e5
+"""Radians of a yaw that runs on."""
+FEATURE = 1e5
+"""Normalised, its mean and its deviation."""
+WEIGHT = 1e4
+"""Of a network, trained or at the start."""
+INPUT_DEVIATION: Span = (1e-9, 1e6)
+INPUT_MEAN = 1e6
 FRAME_TIME: Span = (1e-6, 10.0)
 """Seconds between two frames of a take."""
 RECORDING_RATE: Span = (2.0, 5000.0)

@@ -167,6 +167,8 @@ def _damage(otherwise: str) -> Generator[None]:
     """Whatever damaged bytes make zipfile raise, as a FaultError."""
     try:
         yield
+    except FaultError:  # a ValueError, too
+        raise
     except (zipfile.BadZipFile, zlib.error, OSError, MemoryError, *_DAMAGE) as error:
         raise FaultError(otherwise) from error
 

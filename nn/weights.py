@@ -9,12 +9,12 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.bounds import JSON_BYTES, LAYERS, NETWORKS, WIDTH
+from ..core.bounds import INPUT_DEVIATION, INPUT_MEAN, JSON_BYTES, LAYERS, NETWORKS, WEIGHT, WIDTH
 from ..core.errors import FaultError, InputError
 from ..core.files import write_atomically
 from ..core.json_text import parse_json
@@ -118,9 +118,15 @@ def _from_arrays(arrays: Npz, path: str) -> Predictor:
         networks.append(
             Network(tuple(w.astype(np.float32) for w in weights), tuple(b.astype(np.float32) for b in biases))
         )
+    if any(np.abs(array).max(initial=0.0) > WEIGHT for n in networks for array in (*n.weights, *n.biases)):
+        raise _damaged(path, f"a weight is larger than {WEIGHT:g}")
     mean, deviation = (_array(arrays, key, (inputs,), path) for key in ("mean", "deviation"))
-    if np.any(deviation <= 0.0):
-        raise _damaged(path, "a deviation of its scaler is not above zero")
+    if (
+        np.abs(mean).max() > INPUT_MEAN
+        or deviation.min() < INPUT_DEVIATION[0]
+        or deviation.max() > INPUT_DEVIATION[1]
+    ):
+        raise _damaged(path, "a mean or deviation of its scaler is none of a body's movement")
     return Predictor(
         name=Path(path).stem,
         networks=tuple(networks),
@@ -148,14 +154,29 @@ def _header(arrays: Npz, path: str) -> dict[str, Any]:
     fine = (
         header.get("kind") in ("recurrent", "window")
         and isinstance(header.get("rotations_every"), int)
+        and 0 <= header["rotations_every"] <= 1000
         and isinstance(header.get("smoothing"), (int, float))
         and 0.0 <= header["smoothing"] < 10.0
-        and isinstance(header.get("provenance"), dict)
+        and _is_provenance(header.get("provenance"))
         and _are_sizes(header.get("sizes"))
     )
     if not fine:
         raise _damaged(path, "its description is incomplete")
     return header
+
+
+def _is_provenance(value: Any) -> bool:
+    """Whether this tells of a training; of what is used, the expected error is an angle in degrees."""
+    if not isinstance(value, dict):
+        return False
+    found = cast(dict[str, Any], value)
+    error = found.get("held_out_error_deg", 0.0)
+    return (
+        isinstance(error, (int, float))
+        and 0.0 <= error <= 180.0
+        and isinstance(found.get("settings", {}), dict)
+        and isinstance(found.get("takes", []), list)
+    )
 
 
 def _are_sizes(sizes: Any) -> bool:
