@@ -16,7 +16,6 @@ from ..core import jobs
 from ..core.bounds import REPORT_BYTES
 from ..core.errors import FaultError, InputError, one_line
 from ..core.files import write_atomically
-from ..core.json_text import read_json
 from .verb import Report
 
 NO_FIGURES = "no figures: they need matplotlib (pip install matplotlib)"
@@ -117,6 +116,7 @@ def load_takes(paths: Sequence[str], fps: float | None = None) -> list[Any]:
 def read_report(path: str) -> Report:
     """A report of evaluate or bake; InputError where the file is none."""
     from ..core.evaluation.compare import check_report
+    from ..core.json_text import read_json
 
     try:
         return check_report(read_json(path, "report", REPORT_BYTES))
