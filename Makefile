@@ -14,13 +14,14 @@ TORCH ?= $(if $(filter bpy==4.5.15,$(BPY)),torch==2.13.0)
 export OMP_NUM_THREADS ?= 2
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
-.PHONY: help venv demo test lint test-core test-blender zip bench mutants clean
+.PHONY: help venv demo test lint test-core test-blender zip bench mutants fuzz fuzz-short clean
 
 help:
 	@echo "make demo     takes, databases and a bake from nothing: out/demo.blend, out/demo.mp4, out/demo.png"
 	@echo "make test     lint, types, all tests, and the extension in every Blender that can be had"
 	@echo "make bench    speed and memory, side by side with the alternatives"
 	@echo "make mutants  how many small faults the tests of each package notice; MUTANTS=\"rig --all\" and the like"
+	@echo "make fuzz     100,000 changed files through every reader; FUZZ=\"--count 5000 --seed 7\" and the like"
 	@echo "make zip      the extension, dist/footwork-VERSION.zip"
 	@echo "make venv     the development tools alone; make lint, make test-core: parts of make test"
 
@@ -68,7 +69,14 @@ test-blender-%: $(VENV)-%/.ready zip
 
 test-blender: $(foreach version,$(OTHER_BPY),test-blender-$(version))
 
-test: lint test-core test-blender
+test: lint test-core fuzz-short test-blender
+
+# A quarter of an hour: files changed in every way, through every reader. tools/fuzz.py --help says what FUZZ can be.
+fuzz: $(VENV)/.dev
+	timeout -k 5 7200 $(PY) -W ignore tools/fuzz.py $(FUZZ)
+
+fuzz-short: $(VENV)/.dev
+	timeout -k 5 600 $(PY) -W ignore tools/fuzz.py --count 6000
 
 bench: $(VENV)/.dev
 	timeout -k 5 3000 $(PY) tools/bench.py

@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from ..core import jobs
-from ..core.errors import InputError
+from ..core.bounds import REPORT_BYTES
+from ..core.errors import FaultError, InputError, one_line
 from ..core.files import write_atomically
 from .verb import Report
 
@@ -28,9 +29,9 @@ def each(paths: Sequence[str], read: Callable[[str], Any]) -> list[Any]:
         try:
             results.append(read(path))
         except InputError as error:
-            faults.append(str(error))
+            faults += error.lines
     if faults:
-        raise InputError("\n".join(faults))
+        raise InputError(*faults)
     return results
 
 
@@ -96,28 +97,31 @@ def drawing() -> Any:
         return importlib.import_module(".figures", __package__)
 
 
+def doubt(text: str) -> None:
+    """Tell a doubt on standard error, whatever a file put into it."""
+    print(one_line(text), file=sys.stderr)
+
+
 def load_takes(paths: Sequence[str], fps: float | None = None) -> list[Any]:
     """Takes with their doubts told on standard error."""
     from ..core.mocap.takes import load_take
 
     takes = each(paths, lambda path: load_take(path, fps))
     for take in takes:
-        for doubt in take.doubts:
-            print(f"{take.file}: doubtful: {doubt}", file=sys.stderr)
+        for line in take.doubts:
+            doubt(f"{take.file}: doubtful: {line}")
     return takes
 
 
 def read_report(path: str) -> Report:
     """A report of evaluate or bake; InputError where the file is none."""
+    from ..core.evaluation.compare import check_report
+    from ..core.json_text import read_json
+
     try:
-        report = json.loads(Path(path).read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror or error}); check its name") from error
-    except ValueError as error:
-        raise InputError(f"{path}: is no JSON ({error}); give a report of evaluate or bake") from error
-    if not isinstance(report, dict) or not isinstance(report.get("metrics"), dict):
-        raise InputError(f"{path}: has no metrics; give a report of evaluate or bake")
-    return report
+        return check_report(read_json(path, "report", REPORT_BYTES))
+    except FaultError as fault:
+        raise InputError(f"{path}: {fault}; give a report of evaluate or bake") from None
 
 
 def load_databases(paths: Sequence[str]) -> list[Any]:

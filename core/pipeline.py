@@ -28,6 +28,7 @@ from .recording.resample import resample
 from .recording.targets import joint_targets, raised, scale
 from .rig.avatar import animate
 from .rig.fit import fit_rig, rig_from_skeleton, to_bone_tracks
+from .rig.gate import check_finite, check_rig, check_tracks
 from .rig.ground import Footing, Ground
 from .rig.rig import BoneTracks, Rig
 from .settings import BakeSettings, check
@@ -90,11 +91,13 @@ def bake(
         raise InputError("no motion database given: build one from takes first")
     clock, fps = _Clock(), databases[0].fps
     rig = rig or rig_from_skeleton(databases[0].skeleton, databases[0].name)
+    check_rig(rig)
     fit = fit_rig(rig)
     recording = resample(recording, fps)
 
     yield 0.02, "Predicting body orientation"
     orientation = predict(recording)
+    check_finite(orientation.yaws, "the predictor of the body's direction")
     clock.lap("orientation")
 
     scales = _scales(recording, databases, fit.skeleton, settings)
@@ -107,6 +110,9 @@ def bake(
 
     yield 0.6, "Blending poses"
     motion, contacts = assemble(playback, databases, sized)
+    names = ", ".join(base.name for base in databases)
+    check_finite(motion.positions, f"a motion database ({names})")
+    check_finite(motion.rotations, f"a motion database ({names})")
     clock.lap("blending")
 
     yield 0.75, "Fitting the rig"
@@ -119,6 +125,7 @@ def bake(
 
     yield 0.9, "Making keys"
     tracks = to_bone_tracks(avatar.motion, fit, output_fps or fps)
+    check_tracks(tracks, rig)
     clock.lap("keys")
 
     yield 0.95, "Measuring"

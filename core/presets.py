@@ -8,7 +8,6 @@ skipped and reported; it never disables the others. Reading creates nothing.
 from __future__ import annotations
 
 import functools
-import json
 import os
 import sys
 from collections.abc import Callable, Collection, Mapping
@@ -16,16 +15,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Generic, Protocol, TypeVar, cast
 
-from .errors import InputError
+from .bounds import PRESET_BYTES
+from .errors import FaultError, InputError, one_line
+from .json_text import read_json
 
 SHIPPED = Path(__file__).resolve().parents[1] / "presets"
 """The presets that ship."""
 VARIABLE = "FOOTWORK_PRESETS"
 """Environment variable that names the user's folder of presets."""
-LARGEST = 1_000_000
-"""Bytes of a preset file at most."""
-_LONGEST_LINE = 500
-"""Characters of a report about one file."""
 
 
 class _Named(Protocol):
@@ -101,7 +98,10 @@ def read_preset(path: str | os.PathLike[str], parse: Callable[[Any], Preset], wh
     Raises:
         InputError: unreadable, too large, not JSON, or not such a preset.
     """
-    data = _read_json(path, what)
+    try:
+        data = read_json(path, what, PRESET_BYTES)
+    except FaultError as fault:
+        raise InputError(f"{path}: {fault}; correct it") from None
     try:
         return parse(data)
     except ValueError as error:
@@ -201,48 +201,4 @@ def _load(kind: str, read: Callable[[Path], Any], own: _Listing) -> Presets[Any]
     for path in sorted((SHIPPED / kind).glob("*.json")):
         preset = read(path)
         entries.setdefault(preset.name, preset)
-    return Presets(tuple(entries.values()), tuple(map(_one_line, skipped)))
-
-
-def _one_line(text: str) -> str:
-    """A text that any terminal and file can show as a line, whatever a file's name or content put into it."""
-    shown = "".join(letter if letter.isprintable() else "\N{REPLACEMENT CHARACTER}" for letter in text)
-    return shown if len(shown) <= _LONGEST_LINE else shown[: _LONGEST_LINE - 3] + "..."
-
-
-def _read_json(path: str | os.PathLike[str], what: str) -> Any:
-    """The content of a small JSON file; InputError where it is none."""
-    try:
-        if not Path(path).is_file():
-            raise InputError(f"{path}: not a file; a {what} is a JSON file")
-        with Path(path).open("rb") as file:
-            content = file.read(LARGEST + 1)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); check its name and rights") from error
-    if len(content) > LARGEST:
-        raise InputError(f"{path}: larger than {LARGEST // 1_000_000} MB; no {what} is")
-    try:
-        return json.loads(
-            content.decode("utf-8-sig"), object_pairs_hook=_without_repeats, parse_constant=_refuse_constant
-        )
-    except UnicodeDecodeError:
-        raise InputError(f"{path}: not UTF-8 text; save it as UTF-8") from None
-    except json.JSONDecodeError as error:
-        raise InputError(f"{path}: line {error.lineno}: broken JSON ({error.msg}); correct it") from None
-    except RecursionError:
-        raise InputError(f"{path}: lists nested too deeply; compare it with those that ship") from None
-    except ValueError as error:
-        raise InputError(f"{path}: broken JSON ({error}); correct it") from None
-
-
-def _without_repeats(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    found: dict[str, Any] = {}
-    for key, value in pairs:
-        if key in found:
-            raise ValueError(f"{key!r} stands twice in one object")
-        found[key] = value
-    return found
-
-
-def _refuse_constant(name: str) -> Any:
-    raise ValueError(f"{name} is no JSON value")
+    return Presets(tuple(entries.values()), tuple(map(one_line, skipped)))

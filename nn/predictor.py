@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.errors import InputError
 from ..core.maths import angles, filters
 from ..core.recording.orientation import Orientation
 from ..core.recording.recording import Recording
@@ -63,7 +64,18 @@ def head_height(recording: Recording) -> float:
 
 
 def predict(predictor: Predictor, recording: Recording) -> Orientation:
-    """The body's yaw at the frames of an evenly spaced recording, and the predictor's own doubt."""
+    """The body's yaw at the frames of an evenly spaced recording, and the predictor's own doubt.
+
+    Raises:
+        InputError: its weights make answers that are not finite.
+    """
+    found = _predict(predictor, recording)
+    if not np.isfinite(found.yaws).all():
+        raise InputError(f"predictor {predictor.name}: its answers are not finite; train or copy it again")
+    return found
+
+
+def _predict(predictor: Predictor, recording: Recording) -> Orientation:
     if predictor.layout is None:
         return _predict_recurrent(predictor, recording)
     positions, rotations = joint_targets(recording)

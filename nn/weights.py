@@ -4,19 +4,21 @@ from __future__ import annotations
 
 import itertools
 import json
+import math
 import os
-import zipfile
-import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.errors import InputError
+from ..core.bounds import INPUT_DEVIATION, INPUT_MEAN, JSON_BYTES, LAYERS, NETWORKS, WEIGHT, WIDTH
+from ..core.errors import FaultError, InputError
 from ..core.files import write_atomically
+from ..core.json_text import parse_json
+from ..core.npz import Npz, open_npz, write_npz
 from .inputs import INPUTS, Scaler
 from .network import Network
 from .windows import WindowLayout
@@ -79,7 +81,7 @@ def save_predictor(path: str | os.PathLike[str], predictor: Predictor) -> None:
         "provenance": dict(predictor.provenance),
     }
     text = np.frombuffer(json.dumps(header, sort_keys=True).encode(), dtype=np.uint8)
-    write_atomically(path, lambda file: np.savez_compressed(file, header=text, **arrays))
+    write_atomically(path, lambda file: write_npz(file, {"header": text, **arrays}, compressed=True))
 
 
 def read_predictor(path: str | os.PathLike[str]) -> Predictor:
@@ -88,36 +90,18 @@ def read_predictor(path: str | os.PathLike[str]) -> Predictor:
     Raises:
         InputError: the file is missing, no predictor, of a newer schema, or damaged; one line says which.
     """
-    arrays = read_arrays(path, f"{path}: is no complete predictor file; train or copy it again")
-    return _from_arrays(arrays, f"{path}")
-
-
-def read_arrays(path: str | os.PathLike[str], otherwise: str) -> dict[str, NDArray[Any]]:
-    """All arrays of an `.npz`, never a pickle.
-
-    Raises:
-        InputError: the file cannot be read; `otherwise` where it is not whole or something else.
-    """
+    whole = False
     try:
-        with Path(path).open("rb") as file, np.lib.npyio.NpzFile(file, allow_pickle=False) as found:
-            return {key: found[key] for key in found.files}
-    except OSError as error:
-        raise InputError(
-            f"{path}: cannot be read ({error.strerror or error}); check its name and rights"
-        ) from error
-    except (
-        ValueError,
-        EOFError,
-        KeyError,
-        RuntimeError,
-        MemoryError,
-        zlib.error,
-        zipfile.BadZipFile,
-    ) as error:
-        raise InputError(otherwise) from error
+        with open_npz(path) as arrays:
+            whole = True
+            return _from_arrays(arrays, f"{path}")
+    except FaultError as fault:
+        if whole:
+            raise _damaged(f"{path}", f"{fault}") from None
+        raise InputError(f"{path}: is no complete predictor file; train or copy it again") from None
 
 
-def _from_arrays(arrays: Mapping[str, NDArray[Any]], path: str) -> Predictor:
+def _from_arrays(arrays: Npz, path: str) -> Predictor:
     header = _header(arrays, path)
     recurrent = header["kind"] == "recurrent"
     layout = None if recurrent else _layout(arrays, header, path)
@@ -134,9 +118,15 @@ def _from_arrays(arrays: Mapping[str, NDArray[Any]], path: str) -> Predictor:
         networks.append(
             Network(tuple(w.astype(np.float32) for w in weights), tuple(b.astype(np.float32) for b in biases))
         )
+    if any(np.abs(array).max(initial=0.0) > WEIGHT for n in networks for array in (*n.weights, *n.biases)):
+        raise _damaged(path, f"a weight is larger than {WEIGHT:g}")
     mean, deviation = (_array(arrays, key, (inputs,), path) for key in ("mean", "deviation"))
-    if np.any(deviation <= 0.0):
-        raise _damaged(path, "a deviation of its scaler is not above zero")
+    if (
+        np.abs(mean).max() > INPUT_MEAN
+        or deviation.min() < INPUT_DEVIATION[0]
+        or deviation.max() > INPUT_DEVIATION[1]
+    ):
+        raise _damaged(path, "a mean or deviation of its scaler is none of a body's movement")
     return Predictor(
         name=Path(path).stem,
         networks=tuple(networks),
@@ -147,12 +137,12 @@ def _from_arrays(arrays: Mapping[str, NDArray[Any]], path: str) -> Predictor:
     )
 
 
-def _header(arrays: Mapping[str, NDArray[Any]], path: str) -> dict[str, Any]:
+def _header(arrays: Npz, path: str) -> dict[str, Any]:
     """The checked description; what it lacks or has of the wrong type is told apart from a foreign file."""
     try:
-        header: Any = json.loads(arrays["header"].tobytes())
+        header: Any = parse_json(arrays.read("header", JSON_BYTES).tobytes())
         ours = header["format"] == FORMAT
-    except (KeyError, TypeError, ValueError) as error:
+    except (KeyError, TypeError, FaultError) as error:
         raise InputError(f"{path}: is no Footwork predictor; train one with train-predictor") from error
     if not ours:
         raise InputError(f"{path}: is no Footwork predictor; train one with train-predictor")
@@ -164,9 +154,10 @@ def _header(arrays: Mapping[str, NDArray[Any]], path: str) -> dict[str, Any]:
     fine = (
         header.get("kind") in ("recurrent", "window")
         and isinstance(header.get("rotations_every"), int)
+        and 0 <= header["rotations_every"] <= 1000
         and isinstance(header.get("smoothing"), (int, float))
         and 0.0 <= header["smoothing"] < 10.0
-        and isinstance(header.get("provenance"), dict)
+        and _is_provenance(header.get("provenance"))
         and _are_sizes(header.get("sizes"))
     )
     if not fine:
@@ -174,19 +165,34 @@ def _header(arrays: Mapping[str, NDArray[Any]], path: str) -> dict[str, Any]:
     return header
 
 
+def _is_provenance(value: Any) -> bool:
+    """Whether this tells of a training; of what is used, the expected error is an angle in degrees."""
+    if not isinstance(value, dict):
+        return False
+    found = cast(dict[str, Any], value)
+    error = found.get("held_out_error_deg", 0.0)
+    return (
+        isinstance(error, (int, float))
+        and 0.0 <= error <= 180.0
+        and isinstance(found.get("settings", {}), dict)
+        and isinstance(found.get("takes", []), list)
+    )
+
+
 def _are_sizes(sizes: Any) -> bool:
     """Whether these are the layer widths of one network or more."""
     try:
-        return bool(sizes) and all(
-            len(widths) >= 2 and all(isinstance(width, int) and 0 < width < 100_000 for width in widths)
+        return 0 < len(sizes) <= NETWORKS and all(
+            2 <= len(widths) <= LAYERS + 1
+            and all(isinstance(width, int) and 0 < width <= WIDTH for width in widths)
             for widths in sizes
         )
     except TypeError:
         return False
 
 
-def _layout(arrays: Mapping[str, NDArray[Any]], header: Mapping[str, Any], path: str) -> WindowLayout:
-    offsets = arrays.get("offsets")
+def _layout(arrays: Npz, header: Mapping[str, Any], path: str) -> WindowLayout:
+    offsets = arrays.read("offsets", 1000) if "offsets" in arrays else None
     if offsets is None or offsets.ndim != 1 or not 0 < len(offsets) < 1000 or offsets.dtype.kind != "f":
         raise _damaged(path, "its window is missing")
     if not np.all(np.diff(offsets) > 0.0) or np.min(np.abs(offsets)) > 1e-9 or np.max(np.abs(offsets)) > 60.0:
@@ -196,8 +202,8 @@ def _layout(arrays: Mapping[str, NDArray[Any]], header: Mapping[str, Any], path:
     return WindowLayout(offsets.astype(np.float64), header["rotations_every"])
 
 
-def _array(arrays: Mapping[str, NDArray[Any]], key: str, shape: tuple[int, ...], path: str) -> Array:
-    array = arrays.get(key)
+def _array(arrays: Npz, key: str, shape: tuple[int, ...], path: str) -> Array:
+    array = arrays.read(key, math.prod(shape)) if key in arrays else None
     if array is None or array.shape != tuple(shape) or array.dtype.kind != "f":
         raise _damaged(path, f"{key} is missing or not of shape {tuple(shape)}")
     if not np.all(np.isfinite(array)):

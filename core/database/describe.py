@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from typing import Any, cast
 
@@ -11,6 +10,8 @@ from numpy.typing import NDArray
 
 from ..body.motion import Motion
 from ..body.toes import place_toes
+from ..errors import FaultError
+from ..json_text import parse_json
 from ..maths import angles, kinematics, quat
 from ..recording.mounts import SIMULATED_MOUNTS
 from .motion_database import Clip, MotionDatabase
@@ -78,9 +79,8 @@ def _kept_range(ratios: Array) -> tuple[float, float]:
 def _body_height(provenance: dict[str, Any]) -> float:
     """What the takes were brought to, as a share of standing; 1 where nothing is said."""
     settings = provenance.get("settings")
-    return (
-        float(cast(dict[str, Any], settings).get("body_height", 1.0)) if isinstance(settings, dict) else 1.0
-    )
+    said = cast(dict[str, Any], settings).get("body_height") if isinstance(settings, dict) else None
+    return float(said) if isinstance(said, (int, float)) else 1.0
 
 
 def _clip(clip: Clip, fps: float) -> dict[str, Any]:
@@ -165,6 +165,6 @@ def _percentiles(values: Array) -> dict[str, float]:
 
 def _json_or_text(text: str) -> Any:
     try:
-        return json.loads(text)
-    except ValueError:
+        return parse_json(text.encode())
+    except FaultError:
         return text

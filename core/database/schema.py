@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import json
+import math
 from typing import Any, cast
 
 import numpy as np
@@ -10,8 +10,24 @@ from numpy.typing import NDArray
 
 from ..body import hierarchy
 from ..body.skeleton import REQUIRED_ROLES, ROLES, SIDES
+from ..bounds import (
+    CLIPS,
+    FARTHEST,
+    FASTEST,
+    FEATURE,
+    FRAMES,
+    HEAD_HEIGHT,
+    HEIGHT_SHARE,
+    JOINTS,
+    LONGEST_BONE,
+    MOST_TURNS,
+    TEXTS,
+)
+from ..errors import FaultError
+from ..json_text import parse_json
 from .features import horizon_frames
 from .motion_database import FEATURE_COUNT, FEATURE_GROUPS, HORIZONS_S
+from .virtual_root import to_root_space
 
 Arrays = dict[str, NDArray[Any]]
 
@@ -56,6 +72,12 @@ LAYOUT: dict[str, tuple[str, tuple[int | str, ...]]] = {
 """Every array beside `format`, `schema` and `producer`: kind and shape; letters are free lengths."""
 
 
+_COMPARED = 1000
+"""Frames whose features are compared with their poses."""
+_NEAR_M = 0.02
+_MOST = {"K": TEXTS, "J": JOINTS, "C": CLIPS, "N": FRAMES}
+"""The letters of `LAYOUT`."""
+
 _RENAMED = {2: {"eye_height": "head_height"}}
 """For each schema since the first: the arrays that have another name from it on, old name to new."""
 
@@ -69,13 +91,14 @@ def names_in(schema: int) -> dict[str, str]:
     return names
 
 
-class FaultError(Exception):
-    """What is wrong with a file's contents; becomes an InputError that names the file."""
-
-
 def kind_of(name: str) -> np.dtype[Any]:
     """The type of a `LAYOUT` array in the file: little-endian wherever it is written."""
     return np.dtype(LAYOUT[name][0]).newbyteorder("<")
+
+
+def most_elements(name: str) -> int:
+    """How many elements a `LAYOUT` array may have, whatever the others say."""
+    return math.prod(size if isinstance(size, int) else _MOST[size] for size in LAYOUT[name][1])
 
 
 def check_arrays(arrays: Arrays) -> None:
@@ -85,6 +108,7 @@ def check_arrays(arrays: Arrays) -> None:
     _check_clips(arrays)
     _check_values(arrays)
     _check_features(arrays)
+    _check_paths(arrays)
 
 
 def _check_layout(arrays: Arrays) -> None:
@@ -152,8 +176,27 @@ def _check_values(arrays: Arrays) -> None:
     fps, low_high = float(arrays["fps"]), arrays["height_range"]
     if not 1.0 <= fps <= 1000.0:
         raise FaultError(f"'fps' is {fps:g}")
-    if arrays["head_height"] <= 0.0:
-        raise FaultError("'head_height' is not above zero")
+    if not HEAD_HEIGHT[0] <= arrays["head_height"] <= HEAD_HEIGHT[1]:
+        raise FaultError(f"'head_height' is {arrays['head_height']:g} m, which is no person's")
+    bounds = {
+        "height_range": HEIGHT_SHARE[1],
+        "joint_offsets": LONGEST_BONE,
+        "joint_tips": LONGEST_BONE,
+        "root_positions": FARTHEST,
+        "root_yaws": MOST_TURNS,
+        "hips_positions": FARTHEST,
+        "root_velocities": FASTEST,
+        "root_yaw_velocities": 4.0 * fps,
+        "hips_velocities": FASTEST,
+        "angular_velocities": 4.0 * fps,
+        "features": FEATURE,
+        "feature_mean": FEATURE,
+        "feature_deviation": FEATURE,
+    }
+    for name, bound in bounds.items():
+        most = float(np.abs(arrays[name]).max(initial=0.0))
+        if most > bound:
+            raise FaultError(f"{name!r} holds {most:.4g}, more than any body's {bound:g}")
     if low_high[0] >= low_high[1]:
         raise FaultError(f"'height_range' {low_high[0]:g} to {low_high[1]:g} is empty")
     lengths = np.linalg.norm(arrays["rotations"], axis=-1)
@@ -178,10 +221,23 @@ def _check_features(arrays: Arrays) -> None:
         raise FaultError("'trajectory_valid' holds no frame, or frames too near to a clip's end")
 
 
+def _check_paths(arrays: Arrays) -> None:
+    """Features and poses are of the same motion: where the root is at the first horizon, both tell."""
+    frames = np.flatnonzero(arrays["trajectory_valid"])
+    frames = frames[:: max(1, len(frames) // _COMPARED)]
+    mean, deviation = arrays["feature_mean"][:2], arrays["feature_deviation"][:2]
+    found = arrays["features"][frames, :2] * deviation + mean
+    roots, yaws = arrays["root_positions"].astype(np.float64), arrays["root_yaws"].astype(np.float64)
+    ahead = roots[frames + int(horizon_frames(float(arrays["fps"]))[0])] - roots[frames]
+    wanted = to_root_space(ahead, yaws[frames])
+    if (np.abs(found - wanted) > _NEAR_M + 1e-3 * np.abs(roots[frames])).any():
+        raise FaultError("'features' are not those of its poses")
+
+
 def _is_text_by_text(array: NDArray[Any]) -> bool:
     try:
-        value: Any = json.loads(str(array))
-    except (ValueError, RecursionError):
+        value: Any = parse_json(str(array).encode())
+    except FaultError:
         return False
     return isinstance(value, dict) and all(
         isinstance(item, str) for item in cast(dict[str, Any], value).values()

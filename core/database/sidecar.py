@@ -4,19 +4,16 @@ from __future__ import annotations
 
 import json
 import os
-import zipfile
-import zlib
 from dataclasses import replace
-from pathlib import Path
-from typing import Any, BinaryIO, cast
+from typing import Any
 
 import numpy as np
-from numpy.lib.npyio import NpzFile
 
 from .. import VERSION
 from ..body.skeleton import Skeleton
-from ..errors import InputError
+from ..errors import FaultError, InputError
 from ..files import sha256_of, write_atomically
+from ..npz import Npz, open_npz, write_npz
 from .motion_database import (
     FEATURE_GROUPS,
     HORIZONS_S,
@@ -25,18 +22,7 @@ from .motion_database import (
     MotionDatabase,
     PoseDatabase,
 )
-from .schema import FORMAT, LAYOUT, SCHEMA, Arrays, FaultError, check_arrays, kind_of, names_in
-
-_UNREADABLE = (
-    ValueError,
-    EOFError,
-    KeyError,
-    RuntimeError,
-    MemoryError,
-    zipfile.BadZipFile,
-    zlib.error,
-)
-"""What zipfile and numpy raise over damaged bytes."""
+from .schema import FORMAT, LAYOUT, SCHEMA, Arrays, check_arrays, kind_of, most_elements, names_in
 
 _POSES = (
     "root_positions",
@@ -58,7 +44,7 @@ def save_database(path: str | os.PathLike[str], database: MotionDatabase) -> Non
     """
     header = {"format": FORMAT, "schema": SCHEMA, "producer": f"footwork {VERSION}"}
     arrays = {name: np.asarray(value) for name, value in header.items()} | _to_arrays(database)
-    write_atomically(path, lambda file: _write(file, arrays))
+    write_atomically(path, lambda file: write_npz(file, arrays))
 
 
 def load_database(path: str | os.PathLike[str]) -> MotionDatabase:
@@ -73,14 +59,6 @@ def load_database(path: str | os.PathLike[str]) -> MotionDatabase:
     except FaultError as fault:
         raise InputError(f"{path}: {fault}; build the database again") from None
     return replace(_from_arrays(arrays), sha256=sha256_of(path))
-
-
-def _write(file: BinaryIO, arrays: Arrays) -> None:
-    """As `numpy.savez` does, but with the same bytes from every numpy and on every day."""
-    with zipfile.ZipFile(file, "w", zipfile.ZIP_STORED) as archive:
-        for name, array in arrays.items():
-            with archive.open(zipfile.ZipInfo(f"{name}.npy"), "w", force_zip64=True) as member:
-                np.lib.format.write_array(member, array, allow_pickle=False)
 
 
 def _to_arrays(database: MotionDatabase) -> Arrays:
@@ -119,34 +97,19 @@ def _to_arrays(database: MotionDatabase) -> Arrays:
 
 def _read(path: str | os.PathLike[str]) -> Arrays:
     """The arrays of `LAYOUT` that are in the file, unchecked but for the header."""
-    try:
-        with Path(path).open("rb") as file:
-            if not zipfile.is_zipfile(file):
-                raise FaultError("is cut short, or no .npz file at all")
-            file.seek(0)
-            with cast(NpzFile, np.load(file, allow_pickle=False)) as archive:
-                names = names_in(_checked_schema(path, archive))
-                return {name: archive[old] for name, old in names.items() if old in archive.files}
-    except FileNotFoundError:
-        raise InputError(f"{path}: there is no such file; check its name") from None
-    except InputError:  # a ValueError, too
-        raise
-    except OSError as error:
-        raise InputError(
-            f"{path}: cannot be read ({error.strerror or error}); check its name and rights"
-        ) from error
-    except _UNREADABLE as error:
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise FaultError(f"cannot be read ({reason})") from error
+    with open_npz(path) as archive:
+        names = names_in(_checked_schema(path, archive))
+        return {name: archive.read(old, most_elements(name)) for name, old in names.items() if old in archive}
 
 
-def _checked_schema(path: str | os.PathLike[str], archive: NpzFile) -> int:
+def _checked_schema(path: str | os.PathLike[str], archive: Npz) -> int:
     """The schema of a database; raises where this is none, or of a schema that is not known here."""
-    if "format" not in archive.files or "schema" not in archive.files:
+    if "format" not in archive or "schema" not in archive:
         raise InputError(f"{path}: is a .npz file, but no motion database; choose another file")
-    if str(archive["format"]) != FORMAT:
-        raise InputError(f"{path}: is a {str(archive['format'])!r}, no motion database; choose another file")
-    schema = archive["schema"]
+    name = str(archive.read("format", 1))
+    if name != FORMAT:
+        raise InputError(f"{path}: is a {name[:80]!r}, no motion database; choose another file")
+    schema = archive.read("schema", 1)
     if schema.shape != () or schema.dtype.kind not in "iu" or schema < 1:
         raise FaultError("its schema is no number")
     if schema > SCHEMA:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, cast
 
-from ..errors import InputError
+from ..bounds import LARGEST_FIGURE
+from ..errors import FaultError, InputError
 from ..measure.catalogue import METRICS
 from ..measure.metric import get
 
@@ -13,6 +14,42 @@ TOLERANCE = 0.05
 """Change, as a share of the old figure, up to which nothing is said to have changed."""
 _TINY = {"cm": 0.02, "cm/s": 0.05, "°": 0.05, "": 0.002}
 """And changes that are nothing in any case, by unit."""
+
+
+def check_report(report: Any) -> dict[str, Any]:
+    """A report from a file, if it is one that can be compared; FaultError with what is wrong if not."""
+    if not isinstance(report, dict):
+        raise FaultError("is no report")
+    found = cast(dict[str, Any], report)
+    metrics, inputs = found.get("metrics"), found.get("inputs", [])
+    if not isinstance(metrics, dict):
+        raise FaultError("has no metrics")
+    for name, metric in METRICS.items():
+        value = cast(dict[str, Any], metrics).get(name)
+        if metric.kind == "distribution" and value is not None:
+            rows = cast(dict[str, Any], value) if isinstance(value, dict) else {"mean": value}
+            wrong = not isinstance(value, dict) or not all(
+                _is_figure(rows.get(key)) for key in ("mean", "p95")
+            )
+        else:
+            wrong = not _is_figure(value)
+        if wrong:
+            raise FaultError(f"its metric {name!r} is not what a report has there")
+    if not isinstance(inputs, list) or not all(map(_is_input, cast(list[Any], inputs))):
+        raise FaultError("its inputs are no list of kind, name and sha256")
+    return found
+
+
+def _is_figure(value: Any) -> bool:
+    """Whether this is a number as reports have them, or none."""
+    number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    return value is None or (number and abs(value) <= LARGEST_FIGURE)
+
+
+def _is_input(row: Any) -> bool:
+    return isinstance(row, dict) and all(
+        isinstance(cast(dict[str, Any], row).get(key), str) for key in ("kind", "name", "sha256")
+    )
 
 
 def compare_reports(

@@ -17,10 +17,11 @@ from typing import Any, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bounds import BVH_NUMBER
 from ..errors import InputError
 from ..files import write_atomically
 from ..maths import quat
-from .bvh_header import LARGEST, Header, header_end, parse_header
+from .bvh_header import Header, header_end, parse_header
 
 Array = NDArray[np.floating[Any]]
 
@@ -226,7 +227,7 @@ def _parse_values(data: bytes, header: Header, file: str) -> Array:
             values = np.loadtxt(io.BytesIO(body), comments=None, ndmin=2, encoding="latin-1")
     except ValueError:
         values = np.zeros((0, 0))
-    if values.shape != (header.frames, header.columns) or not (np.abs(values) < LARGEST).all():
+    if values.shape != (header.frames, header.columns) or not (np.abs(values) < BVH_NUMBER).all():
         raise InputError(_first_fault(body, header, file))
     return np.ascontiguousarray(values)
 
@@ -254,6 +255,6 @@ def _first_fault(body: bytes, header: Header, file: str) -> str:
 
 def _is_number(word: bytes) -> bool:
     try:
-        return abs(float(word)) < LARGEST
+        return abs(float(word)) < BVH_NUMBER
     except ValueError:
         return False

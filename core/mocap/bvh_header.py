@@ -6,6 +6,7 @@ import math
 import re
 from dataclasses import dataclass, field
 
+from ..bounds import BVH_NUMBER, DEPTH, FRAME_TIME, JOINT_FRAMES, JOINTS
 from ..errors import InputError
 
 _NUMBER = r"[-+.\w]+"
@@ -20,7 +21,7 @@ _STATEMENT = re.compile(
     | OFFSET\b(?P<offset>(?:[ \t]+"""
     + _NUMBER
     + r"""){3})
-    | CHANNELS[ \t]+(?P<count>\d+)
+    | CHANNELS[ \t]+(?P<count>\d{1,6})
     | (?P<motion>MOTION)\b
     )""",
     re.VERBOSE | re.IGNORECASE,
@@ -30,8 +31,6 @@ _FRAMES = re.compile(r"\s*Frames\s*:?\s*([-+.\w]+)[^\S\n]*", re.IGNORECASE)
 _FRAME_TIME = re.compile(r"\s*Frame[ \t_]*Time\s*:?\s*([-+.,\w]+)[^\S\n]*\n?", re.IGNORECASE)
 _BODY = re.compile(rb"[\s}]MOTION\s+Frames", re.IGNORECASE)
 _SPACE = re.compile(r"[ \t\r\n]*")
-LARGEST = 1e9
-"""No length, angle or count is larger, in whatever unit."""
 _CHANNEL = re.compile(r"([XYZ])(position|rotation)", re.IGNORECASE)
 
 
@@ -140,6 +139,13 @@ class _Scanner:
         result = self.result
         if root and result.names:
             raise self.fault("a second ROOT; split the file, one person each", start)
+        if len(result.names) == JOINTS or len(self.open) == DEPTH:
+            what = (
+                f"more than {JOINTS} joints"
+                if len(self.open) < DEPTH
+                else f"{DEPTH} joints hang on one another"
+            )
+            raise self.fault(f"{what}, which is no body; give a file of one person", start)
         result.parents.append(-1 if root else self.current(start))
         result.names.append(_decode(name.strip()))
         result.offsets.append([0.0, 0.0, 0.0])
@@ -201,6 +207,12 @@ class _Scanner:
         if count == 0:
             raise self.fault("the file has no frames; export it anew", self.skip())
         result.frames, result.frames_line = int(count), self.line(self.skip())
+        joints = len(result.names)
+        if joints > result.columns and joints * result.frames > JOINT_FRAMES:
+            raise self.fault(
+                f"{result.frames} frames of {joints} joints with {result.columns} channels; export it anew",
+                self.skip(),
+            )
         self.at = found.end()
         found = _FRAME_TIME.match(self.text, self.at)
         if found is None:
@@ -210,6 +222,8 @@ class _Scanner:
             raise self.fault(
                 f"Frame Time: {found[1]} is not a positive number of seconds; correct it", self.skip()
             )
+        if not FRAME_TIME[0] <= result.frame_time <= FRAME_TIME[1]:
+            raise self.fault(f"Frame Time: {found[1]} is no time between two frames; correct it", self.skip())
         result.body = found.end()
         result.body_line = self.line(result.body)
         return result
@@ -220,7 +234,7 @@ class _Scanner:
             value = float(word)
         except ValueError:
             value = math.nan
-        if not abs(value) < LARGEST:
+        if not abs(value) < BVH_NUMBER:
             raise self.fault(f"{word[:40]!r} is not a finite number; repair or export anew", start)
         return value
 

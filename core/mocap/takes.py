@@ -14,6 +14,7 @@ from ..body import forward_kinematics as fk
 from ..body.edit import resample
 from ..body.motion import Motion
 from ..body.skeleton import SIDES, Skeleton
+from ..bounds import BODY_LENGTH, BONE_SHARE, RESAMPLED_JOINT_FRAMES, RESAMPLED_TIMES
 from ..errors import InputError
 from ..maths import quat
 from . import checks
@@ -66,6 +67,11 @@ def take_from_bvh(bvh: BvhFile, fps: float | None = None) -> Take:
     motion = _on_floor(to_motion(body.frames(cut), tpose, rate), notes)
     _check(motion, cut, notes)
     if fps is not None and fps != rate:
+        size = len(motion) * len(motion.skeleton)
+        if size * fps / rate > max(RESAMPLED_JOINT_FRAMES, RESAMPLED_TIMES * size):
+            raise InputError(
+                f"{bvh.file}: {rate:g} frames per second are too few to be brought to {fps:g}; check its frame time"
+            )
         motion = resample(motion, fps)
         notes.found["resampled"] = f"to {fps:g} fps, {len(motion)} frames"
     return Take(
@@ -122,7 +128,7 @@ def _read_body(bvh: BvhFile, notes: _Notes) -> RawBody:
     notes.found["unit"] = f"{unit} (thigh, shin and hips to head measure {length:.2f} m)"
     if not 0.8 < length < 2.2:
         notes.doubts.append(f"the body measures {length:.2f} m with {unit} as unit: not an adult's size")
-    _check_size(body, bvh.file)
+    _check_size(body, bvh.file, length, UNITS[unit])
     up, share = find_up(body)
     notes.found["up axis"] = up
     if share < 0.6:
@@ -143,8 +149,25 @@ def _read_body(bvh: BvhFile, notes: _Notes) -> RawBody:
     return body
 
 
-def _check_size(body: RawBody, file: str) -> None:
-    """Refuse bodies whose limbs have no length or whose legs are one."""
+def _check_size(body: RawBody, file: str, length: float, metres: float) -> None:
+    """Refuse bodies that no unit makes a person, whose limbs have no length or whose legs are one.
+
+    Args:
+        body: in the file's unit.
+        file: its name.
+        length: of the body as `find_unit` measures it, metres.
+        metres: of the file's unit.
+    """
+    if not BODY_LENGTH[0] <= length <= BODY_LENGTH[1]:
+        raise InputError(
+            f"{file}: the body measures {length:.3g} m, whatever the unit: no length of a person; export anew"
+        )
+    bones = np.linalg.norm(body.offsets[1:], axis=-1) * metres
+    if bones.max() > BONE_SHARE * length:
+        name = body.names[1 + int(bones.argmax())]
+        raise InputError(
+            f"{file}: the bone that ends at {name} measures {bones.max():.3g} m of {length:.2f} m; export anew"
+        )
     least = 1e-3 * float(np.linalg.norm(body.offsets[1:], axis=-1).sum())
     for side in SIDES:
         for part in ("forearm", "hand", "shin", "foot"):

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from typing import Any, cast
 
 import numpy as np
 
-from ..errors import InputError
+from ..bounds import RECORDING_BYTES
+from ..errors import FaultError, InputError
+from ..json_text import parse_json
 from ..maths import quat
 from .raw import RawRecording, Track, change_axes
 
@@ -26,15 +27,9 @@ def read_aframe(content: bytes, file: str) -> RawRecording:
         InputError: broken JSON with its line, a pose without its numbers with its index, no headset.
     """
     try:
-        data: Any = json.loads(content)
-    except UnicodeDecodeError:
-        raise InputError(f"{file}: not UTF-8 text; record it again or save it as UTF-8") from None
-    except json.JSONDecodeError as error:
-        raise InputError(
-            f"{file}: line {error.lineno}: broken JSON ({error.msg}); was the file cut short?"
-        ) from None
-    except (RecursionError, ValueError):
-        raise InputError(f"{file}: lists nested too deeply or a number too long; record it again") from None
+        data: Any = parse_json(content, RECORDING_BYTES, small=False)
+    except FaultError as fault:
+        raise InputError(f"{file}: {fault}; was the file cut short? record it again") from None
     if isinstance(data, dict) and "recording" in data:
         data = cast(Any, data["recording"])
     if not isinstance(data, dict):
@@ -56,7 +51,7 @@ def _track(data: Mapping[str, Any], names: tuple[str, ...], file: str) -> Track:
             for pose in poses
         ]
         values = np.array(rows, dtype=np.float64).reshape(-1, 7)
-    except (KeyError, TypeError, ValueError):
+    except (KeyError, TypeError, ValueError, OverflowError, IndexError):
         raise _first_fault(poses, f"{file}: {name}") from None
     turns = quat.from_euler(np.radians(values[:, [5, 4, 6]]), "YXZ")
     positions, rotations = change_axes(values[:, 1:4], turns, "RUB")
@@ -74,7 +69,7 @@ def _first_fault(poses: Any, where: str) -> InputError:
                 *(pose[part][axis] for part in ("position", "rotation") for axis in "xyz"),
             ]
             np.array(numbers, dtype=np.float64)
-        except (KeyError, TypeError, ValueError):
+        except (KeyError, TypeError, ValueError, OverflowError, IndexError):
             return InputError(
                 f"{where}: pose {i} lacks a number among timestamp, position and rotation; remove it"
             )

@@ -8,12 +8,13 @@ from typing import BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bounds import EYE_HEIGHT, FARTHEST
 from ..errors import InputError
 from ..files import write_atomically
 from ..maths import quat
 from .mounts import DEVICE_MOUNTS
 from .raw import RawRecording, Track
-from .recording import GREATEST_EYE_HEIGHT, LARGEST, LEAST_EYE_HEIGHT, TRACKERS, Array, Mounts, Recording
+from .recording import TRACKERS, Array, Mounts, Recording
 from .table import decode, read_columns
 
 _MAGIC = "# footwork-recording "
@@ -92,9 +93,9 @@ def _check_version(line: str, file: str) -> None:
         raise InputError(
             f"{file}: line 1: the format's version is {version!r}, not a whole number such as {_VERSION}"
         )
-    if int(version) > _VERSION:
+    if len(version) > 9 or int(version) > _VERSION:
         raise InputError(
-            f"{file}: line 1: version {version} is newer than {_VERSION}, the last known; update Footwork"
+            f"{file}: line 1: version {version[:9]} is newer than {_VERSION}, the last known; update Footwork"
         )
 
 
@@ -119,7 +120,7 @@ def _floats(fields: dict[str, tuple[int, str]], key: str, count: int, file: str)
 
 def _eye_height(fields: dict[str, tuple[int, str]], file: str) -> float:
     (height,) = _floats(fields, "eye_height", 1, file)
-    if not LEAST_EYE_HEIGHT <= height <= GREATEST_EYE_HEIGHT:
+    if not EYE_HEIGHT[0] <= height <= EYE_HEIGHT[1]:
         number = fields["eye_height"][0]
         raise InputError(f"{file}: line {number}: eye height {height:g} m is no person's; correct it")
     return height
@@ -155,8 +156,8 @@ def _check_rows(times: Array, poses: Array, numbers: NDArray[np.intp], file: str
         length = np.linalg.norm(np.where(finite[:, None], pose[:, 3:], 1.0), axis=-1)
         advice = f"set {tracker}_valid to 0 where it was not tracked"
         faults[f"{tracker} has an empty or infinite value; {advice}"] = ok & ~finite
-        faults[f"{tracker} has a value past {LARGEST:g}; {advice}"] = (
-            ok & finite & ~(np.abs(pose) < LARGEST).all(-1)
+        faults[f"{tracker} has a value past {FARTHEST:g}; {advice}"] = (
+            ok & finite & ~(np.abs(pose) < FARTHEST).all(-1)
         )
         faults[f"{tracker} has a zero quaternion; {advice}"] = ok & (length < _SHORT)
     first = min(

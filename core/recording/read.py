@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..bounds import EYE_HEIGHT, RECORDING_BYTES
 from ..errors import InputError
 from ..presets import user_folder
 from . import layouts
@@ -16,7 +17,7 @@ from .formats import formats
 from .happenings import in_words
 from .mounts import DEVICE_MOUNTS
 from .raw import RawRecording
-from .recording import GREATEST_EYE_HEIGHT, LEAST_EYE_HEIGHT, TRACKERS, Happening, Recording
+from .recording import TRACKERS, Happening, Recording
 from .repair import Repaired, repair
 
 
@@ -31,12 +32,18 @@ def read_recording(path: str | os.PathLike[str], eye_height: float | None = None
     Raises:
         InputError: a file that cannot be read, an unknown format, or a fault in it, with its place.
     """
-    if eye_height is not None and not LEAST_EYE_HEIGHT <= eye_height <= GREATEST_EYE_HEIGHT:
+    if eye_height is not None and not EYE_HEIGHT[0] <= eye_height <= EYE_HEIGHT[1]:
         raise InputError(f"eye height {eye_height:g} m is no person's; give metres, such as 1.65")
     try:
-        content = Path(path).read_bytes()
+        with Path(path).open("rb") as stream:
+            # asked for so many bytes, Python would take memory for as many
+            content = stream.read(
+                min(os.fstat(stream.fileno()).st_size or RECORDING_BYTES, RECORDING_BYTES) + 1
+            )
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror}); check its name and rights") from error
+    if len(content) > RECORDING_BYTES:
+        raise InputError(f"{path}: larger than {RECORDING_BYTES // 1_000_000} MB; cut the recording")
     if not content.strip():
         raise InputError(f"{path}: the file is empty; record again")
     known = formats()
@@ -44,8 +51,8 @@ def read_recording(path: str | os.PathLike[str], eye_height: float | None = None
     if form is None:
         names = ", ".join(form.name for form in known)
         raise InputError(
-            f"{path}: no known recording format; known are {names}; for another table add a layout in "
-            f"{user_folder(layouts.KIND)}{layouts.layouts().note}"
+            f"{path}: no known recording format; known are {names}; "
+            f"for another table: {user_folder(layouts.KIND)}{layouts.layouts().note}"
         )
     raw = form.read(content, str(path))
     return to_recording(raw, str(path), hashlib.sha256(content).hexdigest(), eye_height)
@@ -71,6 +78,11 @@ def _finish(raw: RawRecording, repaired: Repaired, given: float | None, file: st
     samples = repaired.samples
     level = looking_ahead(samples, raw.mounts)
     calibration = calibrate(level, given, raw.eye_height, raw.on_floor)
+    if not EYE_HEIGHT[0] <= calibration.eye_height <= EYE_HEIGHT[1]:
+        raise InputError(
+            f"{file}: eye height {calibration.eye_height:.3g} m, {calibration.source}, is no person's; "
+            "give the wearer's, check unit and floor"
+        )
     happenings = repaired.happenings
     start = put_down(samples)
     if start is not None:

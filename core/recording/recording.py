@@ -17,10 +17,6 @@ Array = NDArray[np.floating[Any]]
 TRACKERS = ("head", "left", "right")
 TRACKER_ROLES = ("head", "hand.L", "hand.R")
 """The joint that each tracker is fixed to."""
-LARGEST = 1e4
-"""Metres: no tracker is farther away; larger numbers are none of a pose."""
-LEAST_EYE_HEIGHT, GREATEST_EYE_HEIGHT = 0.3, 3.0
-"""Metres: children and people on stilts are between."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -7,15 +7,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bounds import FARTHEST, RECORDING_RATE
 from ..errors import InputError
 from ..maths import quat
 from .happenings import NAMES
 from .interpolation import blend_positions, blend_rotations, neighbours
 from .raw import RawRecording, Track
-from .recording import LARGEST, Array, Happening
-from .timeline import Samples, even_out, fill_pauses, join
+from .recording import Array, Happening
+from .timeline import Samples, check_pauses, even_out, fill_pauses, join
 
-_RATES = (2.0, 5000.0)
 _FROZEN_S = 0.5
 _MOVED_M = 0.001
 _JUMP_SPEEDS = (10.0, 40.0, 40.0)
@@ -49,8 +49,9 @@ def repair(raw: RawRecording, file: str) -> Repaired:
         usable = _samples(int(head.valid.sum()))
         raise InputError(f"{file}: {usable} of the headset can be used; record it again")
     rate = 1.0 / float(np.median(np.diff(head.times)))
-    if not _RATES[0] <= rate <= _RATES[1]:
+    if not RECORDING_RATE[0] <= rate <= RECORDING_RATE[1]:
         raise InputError(f"{file}: {rate:.3g} samples per second; are its times in another unit?")
+    check_pauses(head.times, file)
     dropped = [len(old.times) - len(new.times) for old, new in zip(raw.tracks, tracks, strict=True)]
     empty = [
         int((old.valid & ~new.valid).sum()) for old, new in zip(tracks, (head, left, right), strict=True)
@@ -60,7 +61,7 @@ def repair(raw: RawRecording, file: str) -> Repaired:
         *_told([_samples(n) + " without a pose" if n else "" for n in empty]),
     ]
     samples, jitter = even_out(join((head, left, right)))
-    samples, pauses = fill_pauses(samples, file)
+    samples, pauses = fill_pauses(samples)
     repairs += [note for note in (jitter, pauses) if note]
     samples, frozen, still = _mark_frozen(samples, raw.states_validity)
     samples, glitches, jumps = _mark_jumps(samples)
@@ -137,7 +138,7 @@ def _in_order(track: Track) -> Track:
 def _usable(track: Track) -> Track:
     """Unit rotations, finite values; not valid where the file has no pose or zeros for one."""
     # comparisons with NaN are false
-    finite = np.asarray((np.abs(np.c_[track.positions, track.rotations]) < LARGEST).all(axis=-1))
+    finite = np.asarray((np.abs(np.c_[track.positions, track.rotations]) < FARTHEST).all(axis=-1))
     rotations = np.where(finite[:, None], track.rotations, 0.0)
     positions = np.where(finite[:, None], track.positions, 0.0)
     turned = np.linalg.norm(rotations, axis=-1) > 0.1

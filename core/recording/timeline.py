@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bounds import PAUSE_S, PAUSE_SAMPLES, PAUSE_TIMES
 from ..errors import InputError
 from ..maths import quat
 from .interpolation import blend_positions, blend_rotations, neighbours
 from .raw import Track
 from .recording import Array
 
-_LONGEST_PAUSE_S = 600.0
 _JITTER = 0.15
 _WINDOW = 21
 
@@ -118,14 +118,26 @@ def _roughness(samples: Samples, times: Array) -> float:
     return float(np.percentile(acceleration[tracked], 90)) if tracked.any() else 0.0
 
 
-def fill_pauses(samples: Samples, file: str) -> tuple[Samples, str]:
+def check_pauses(times: Array, file: str) -> None:
+    """Raise InputError for a pause of more than ten minutes, or for pauses that leave too little between them."""
+    steps = np.diff(times)
+    longest = int(np.argmax(steps))
+    if steps[longest] > PAUSE_S:
+        raise InputError(
+            f"{file}: time jumps by {steps[longest]:.4g} s after {times[longest] - times[0]:.2f} s; cut it there"
+        )
+    gaps = steps[steps > pause_limit(times)]
+    if gaps.sum() / np.median(steps) > max(PAUSE_SAMPLES, PAUSE_TIMES * len(times)):
+        raise InputError(
+            f"{file}: {len(gaps)} pauses of {gaps.sum():.0f} s, far longer than what was recorded; cut it there"
+        )
+
+
+def fill_pauses(samples: Samples) -> tuple[Samples, str]:
     """Samples, not valid, at the usual rate wherever the recording paused.
 
     Returns:
         The samples and a line for people, "" where there was no pause.
-
-    Raises:
-        InputError: a pause of more than ten minutes.
     """
     times = samples.times
     steps = np.diff(times)
@@ -133,10 +145,6 @@ def fill_pauses(samples: Samples, file: str) -> tuple[Samples, str]:
     if len(gaps) == 0:
         return samples, ""
     longest = int(gaps[np.argmax(steps[gaps])])
-    if steps[longest] > _LONGEST_PAUSE_S:
-        raise InputError(
-            f"{file}: time jumps by {steps[longest]:.0f} s after {times[longest]:.2f} s; cut it there"
-        )
     counts = np.round(steps[gaps] / np.median(steps)).astype(np.intp) - 1
     inside: list[Array] = [
         np.linspace(times[g], times[g + 1], n + 2)[1:-1] for g, n in zip(gaps, counts, strict=True)

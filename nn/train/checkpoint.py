@@ -18,13 +18,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.errors import InputError
+from ...core.bounds import JSON_BYTES
+from ...core.errors import FaultError, InputError
 from ...core.files import write_atomically
+from ...core.json_text import parse_json
 from ...core.mocap.take import Take
+from ...core.npz import open_npz, write_npz
 from ..inputs import Scaler
 from ..network import Network
 from ..settings import TrainSettings
-from ..weights import read_arrays
 
 FORMAT = "footwork-training"
 SCHEMA = 1
@@ -32,6 +34,9 @@ _FREE = {"resume", "time_limit", "patience", "keep_worse"}
 """Settings that change when a training ends, not the way there."""
 _SHOWN = 3
 """How many takes an error names."""
+
+_WRONG = (KeyError, IndexError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError)
+"""What reading values of the wrong form raises."""
 
 State = Mapping[str, NDArray[Any]]
 
@@ -115,7 +120,7 @@ def write_checkpoint(path: str | os.PathLike[str], checkpoint: Checkpoint) -> No
         **{key: getattr(progress, key) for key in ("history", "step", "waited", "losses")},
     }
     text = np.frombuffer(json.dumps(header).encode(), dtype=np.uint8)
-    write_atomically(path, lambda file: np.savez(file, header=text, **arrays))
+    write_atomically(path, lambda file: write_npz(file, {"header": text, **arrays}))
 
 
 def read_checkpoint(path: str | os.PathLike[str], origin: Mapping[str, Any]) -> Checkpoint:
@@ -129,23 +134,23 @@ def read_checkpoint(path: str | os.PathLike[str], origin: Mapping[str, Any]) -> 
         InputError: the file cannot be read, is damaged or of another version, or belongs to another
             training; one line says what and what to do.
     """
-    arrays = read_arrays(path, f"{damaged(path)}")
     try:
-        header: Any = json.loads(arrays["header"].tobytes())
-        if header["format"] != FORMAT:
-            raise damaged(path)
-        if header["schema"] != SCHEMA:
-            raise other_version(path)
-        difference = _difference(header["origin"], origin)
-        if difference:
-            raise InputError(
-                f"{path}: its training differs in {difference}; ask for the same again, "
-                "or start anew without resume"
-            )
-        return _from_arrays(header, arrays)
+        with open_npz(path) as arrays:
+            header: Any = parse_json(arrays.read("header", JSON_BYTES).tobytes())
+            if header["format"] != FORMAT:
+                raise damaged(path)
+            if header["schema"] != SCHEMA:
+                raise other_version(path)
+            difference = _difference(header["origin"], origin)
+            if difference:
+                raise InputError(
+                    f"{path}: its training differs in {difference}; ask for the same again, "
+                    "or start anew without resume"
+                )
+            return _from_arrays(header, arrays)
     except InputError:
         raise
-    except (KeyError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError) as error:
+    except (*_WRONG, FaultError) as error:
         raise damaged(path) from error
 
 

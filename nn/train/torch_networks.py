@@ -12,6 +12,7 @@ import numpy as np
 import torch
 from torch import nn
 
+from ...core.json_text import parse_json
 from ..network import Network
 
 
@@ -96,5 +97,5 @@ def restore_training(
     schedule.load_state_dict(
         schedule.state_dict() | {"last_epoch": steps, "_step_count": steps + 2, "_last_lr": [rate]}
     )
-    rng.bit_generator.state = json.loads(str(state["numpy"]))
+    rng.bit_generator.state = parse_json(str(state["numpy"]).encode())
     torch.set_rng_state(torch.from_numpy(state["torch"].copy()))

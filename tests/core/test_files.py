@@ -65,7 +65,7 @@ def test_faults_are_one_line(tmp_path: Path) -> None:
         with pytest.raises(InputError) as caught:
             write_atomically(path, lambda file: file.write(b"x"))
         assert word in str(caught.value)
-        assert str(path) in str(caught.value)
+        assert str(path)[:100] in str(caught.value)
         assert "\n" not in str(caught.value)
 
 

@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 from footwork.core import presets
+from footwork.core.bounds import PRESET_BYTES
 from footwork.core.errors import InputError
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -134,7 +135,7 @@ BROKEN = {
     "{}": "no 'name'",
     '{"name": ""}': "one line",
     '{"name": "a\\nb"}': "one line",
-    '{"name": "\\ud800"}': "one line",
+    '{"name": "\\ud800"}': "half of a letter",
     '{"name": "\\u001b[2J"}': "one line",
     '{"name": 3}': "one line",
     '{"name": NaN}': "NaN",
@@ -146,7 +147,7 @@ BROKEN = {
     '{"name": "x", "name": "y"}': "'name' stands twice",
     '{"name": ' + "[" * 100_000: "nested too deeply",
     '{"name": ' + "9" * 10_000 + "}": "broken JSON",
-    '{"name": "x"}' + " " * presets.LARGEST: "larger than 1 MB",
+    '{"name": "x"}' + " " * PRESET_BYTES: "larger than 1 MB",
     '{"name": "kite"} and more': "line 1",
 }
 

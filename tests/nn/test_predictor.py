@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from footwork.core.errors import InputError
 from footwork.core.maths import angles, quat
 from footwork.core.measure.measures import yaw_errors
 from footwork.core.mocap.demo import demo_motion
@@ -14,8 +15,10 @@ from footwork.core.recording.recording import Recording
 from footwork.core.recording.resample import resample
 from footwork.core.recording.simulate import simulate_recording
 from footwork.core.recording.targets import joint_targets, scale
-from footwork.nn.inputs import RATE
+from footwork.nn.inputs import INPUTS, RATE, Scaler
+from footwork.nn.network import Network
 from footwork.nn.predictor import headset_forward, predict, run_recurrent, shipped_predictors
+from footwork.nn.weights import Predictor
 
 SHIPPED = shipped_predictors()
 each_shipped = pytest.mark.parametrize("name", SHIPPED)
@@ -156,3 +159,19 @@ def test_shipped_predictors_name_the_licence_of_every_take(name):
     for take in takes:
         assert len(take["sha256"]) == 64
         assert take["licence"].startswith(("MIT", "CC BY 4.0", "CMU"))
+
+
+def test_a_network_that_runs_away_is_told() -> None:
+    rng = np.random.default_rng(2)
+    sizes = ((INPUTS, 8), (8, 6))
+    network = Network(
+        tuple(rng.normal(size=size).astype(np.float32) * 100.0 for size in sizes),
+        tuple(rng.normal(size=size[1]).astype(np.float32) for size in sizes),
+    )
+    wild = Predictor("wild", (network,), Scaler(np.zeros(INPUTS), np.ones(INPUTS)), None, 0.1, {})
+    recording = simulate_recording(demo_motion("walk"), "walk")
+    with (
+        np.errstate(all="ignore"),
+        pytest.raises(InputError, match="predictor wild: its answers are not finite"),
+    ):
+        predict(wild, recording)

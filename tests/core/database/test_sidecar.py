@@ -137,6 +137,13 @@ def put(name: str, index: Any, value: Any):
     return change
 
 
+def times(name: str, factor: float):
+    def change(arrays: Arrays) -> None:
+        arrays[name] = arrays[name] * np.asarray(factor, arrays[name].dtype)
+
+    return change
+
+
 def swap(name: str, value: Any):
     def change(arrays: Arrays) -> None:
         arrays[name] = np.array(value)
@@ -169,6 +176,16 @@ FAULTS = {
     "deviation": (put("feature_deviation", 3, 0.0), "'feature_deviation'"),
     "layout": (put("feature_starts", 1, 7), "laid out"),
     "horizons": (put("feature_horizons", 1, 0.5), "laid out"),
+    "giant": (swap("head_height", 1e300), "'head_height' is 1e+300 m"),
+    "dwarf": (swap("head_height", 0.05), "'head_height' is 0.05 m"),
+    "long bones": (times("joint_offsets", 1e6), "'joint_offsets' holds"),
+    "far roots": (times("root_positions", 1e9), "'root_positions' holds"),
+    "fast hips": (times("hips_velocities", 1e9), "'hips_velocities' holds"),
+    "fast turns": (put("angular_velocities", (5, 3), 1e3), "'angular_velocities' holds"),
+    "features of nothing": (times("features", 0.0), "not those of its poses"),
+    "features of others": (lambda a: a.update(features=a["features"][::-1].copy()), "not those of its poses"),
+    "features of giants": (times("features", 1e9), "'features' holds"),
+    "provenance deep": (swap("provenance", "[" * 5000), "'provenance'"),
     "provenance": (swap("provenance", "[1]"), "'provenance'"),
     "provenance cut": (swap("provenance", '{"a": '), "'provenance'"),
 }

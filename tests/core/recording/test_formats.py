@@ -87,8 +87,9 @@ def test_a_format_is_added_by_one_entry(tmp_path: Path, monkeypatch: pytest.Monk
     assert not recording.valid[:, 1:].any()
     assert ".heights" in formats.suffixes() and formats.suffixes().count(".csv") == 1
     (tmp_path / "x").write_text("what else")
+    monkeypatch.chdir(tmp_path)
     with pytest.raises(InputError, match=r"known are .*Toy heights"):
-        read_recording(tmp_path / "x")
+        read_recording("x")
 
 
 def test_file_names_do_not_decide(tmp_path: Path) -> None:
@@ -131,13 +132,13 @@ def test_a_layout_in_the_users_folder_is_read_at_once(tmp_path: Path, own: Path)
 def test_a_layout_of_the_user_takes_the_place_of_one_that_ships(tmp_path: Path, own: Path) -> None:
     shipped = json.loads((SHIPPED / layouts.KIND / "who_is_alyx.json").read_text("utf-8"))
     path = table(tmp_path / "alyx.csv", shipped)
-    assert read_recording(path).positions[0, 0, 1] == pytest.approx(-15.0)
+    assert read_recording(path, 1.6).positions[0, 0, 1] == pytest.approx(-15.0)
     (own / "mine.json").write_text(json.dumps({**shipped, "unit": "mm"}))
-    assert read_recording(path).positions[0, 0, 1] == pytest.approx(-1.5)
+    assert read_recording(path, 1.6).positions[0, 0, 1] == pytest.approx(-1.5)
     assert [form.name for form in formats.formats()].count(shipped["name"]) == 1
     # another name comes before those that ship as well
     (own / "mine.json").write_text(json.dumps({**shipped, "name": "Metres", "unit": "m"}))
-    assert read_recording(path).found["format"] == "Metres"
+    assert read_recording(path, 1.6).found["format"] == "Metres"
 
 
 def test_broken_layouts_leave_the_others_and_are_named_where_none_fits(tmp_path: Path, own: Path) -> None:

@@ -89,7 +89,7 @@ def test_aframe_poses(tmp_path: Path, keys: tuple[str, ...], wrapped: bool) -> N
 @pytest.mark.parametrize("value", ["[" * 100_000, "9" * 10_000 + "}"])
 def test_aframe_files_that_no_parser_can_take(tmp_path: Path, value: str) -> None:
     (tmp_path / "r.json").write_text('{"poses": [], "rotation": ' + value)
-    with pytest.raises(InputError, match="nested too deeply or a number too long"):
+    with pytest.raises(InputError, match=r"nested too deeply|more than 300 digits"):
         read_recording(tmp_path / "r.json")
 
 
@@ -271,10 +271,13 @@ def test_unity_recorder_tables(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "content", [b"a,b,c\n1,2,3\n", b"{}", b"HIERARCHY\nROOT Hips\n", bytes(range(256)) * 40]
 )
-def test_unknown_formats_list_the_known_ones(tmp_path: Path, content: bytes) -> None:
-    (tmp_path / "x.dat").write_bytes(content)
+def test_unknown_formats_list_the_known_ones(
+    tmp_path: Path, content: bytes, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("x.dat").write_bytes(content)
     with pytest.raises(InputError, match="known are") as raised:
-        read_recording(tmp_path / "x.dat")
+        read_recording("x.dat")
     assert all(form.name in str(raised.value) for form in formats())
 
 
