@@ -304,8 +304,8 @@ CAMERA = {"camera": poses((0, 1, 2, 3, 0, 0, 0))}
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (b'{"a": 1,\n"b": \xff}', "not UTF-8 text; record it again or save it as UTF-8"),
-        (b'{"a": 1,\n"b": }', r"line 2: broken JSON \(Expecting value\); was the file cut short\?"),
+        (b'{"a": 1,\n"b": \xff}', r"not UTF-8 text; was the file cut short\? record it again"),
+        (b'{"a": 1,\n"b": }', r"line 2: broken JSON \(Expecting value\); was the file cut short\? record it again"),
         (b"[1]", "no trackers in it; an A-Frame recording has camera, left and right"),
         (b'{"recording": 3}', "no trackers in it; an A-Frame recording has camera, left and right"),
         (b"{}", "no poses of the camera; record the headset as well as the controllers"),
