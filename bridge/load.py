@@ -76,7 +76,7 @@ def open_rig(path: Path) -> None:
         raise InputError(f"{path}: cannot read rigs from this kind of file; use {', '.join(RIG_FORMATS)}")
     try:
         if kind == ".blend":
-            bpy.ops.wm.open_mainfile(filepath=str(path))
+            bpy.ops.wm.open_mainfile(filepath=str(path), use_scripts=False)
             return
         bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
         # importers print the same fault at length

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.errors import InputError
-from ..core.files import write_atomically
+from ..core.transaction import Transaction, write_atomically
 from .inputs import INPUTS, Scaler
 from .network import Network
 from .windows import WindowLayout
@@ -58,8 +58,10 @@ class Predictor:
         return sum(network.parameters for network in self.networks)
 
 
-def save_predictor(path: str | os.PathLike[str], predictor: Predictor) -> None:
-    """Write a predictor as `.npz`, whole or not at all; InputError where it cannot be written."""
+def save_predictor(
+    path: str | os.PathLike[str], predictor: Predictor, outputs: Transaction | None = None
+) -> None:
+    """Write a predictor as `.npz`, at once or in a transaction; InputError where it cannot be written."""
     arrays: dict[str, Any] = {"mean": predictor.scaler.mean, "deviation": predictor.scaler.deviation}
     for n, network in enumerate(predictor.networks):
         for layer, (weight, bias) in enumerate(zip(network.weights, network.biases, strict=True)):
@@ -79,7 +81,7 @@ def save_predictor(path: str | os.PathLike[str], predictor: Predictor) -> None:
         "provenance": dict(predictor.provenance),
     }
     text = np.frombuffer(json.dumps(header, sort_keys=True).encode(), dtype=np.uint8)
-    write_atomically(path, lambda file: np.savez_compressed(file, header=text, **arrays))
+    write_atomically(path, lambda file: np.savez_compressed(file, header=text, **arrays), outputs)
 
 
 def read_predictor(path: str | os.PathLike[str]) -> Predictor:

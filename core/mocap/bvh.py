@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..files import write_atomically
 from ..maths import quat
+from ..transaction import write_atomically
 from .bvh_header import LARGEST, Header, header_end, parse_header
 
 Array = NDArray[np.floating[Any]]

@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.errors import InputError
-from ...core.files import write_atomically
 from ...core.mocap.take import Take
+from ...core.transaction import write_atomically
 from ..inputs import Scaler
 from ..network import Network
 from ..settings import TrainSettings
