@@ -36,6 +36,8 @@ def append(path: Path, name: str) -> bpy.types.Object | bpy.types.Collection | N
     into = bpy.context.scene.collection
     there: Any
     here: Any
+    # drivers of the file would run from here on; only the command line comes here, in a Blender of its own
+    bpy.context.preferences.filepaths.use_scripts_auto_execute = False
     try:
         with bpy.data.libraries.load(str(path)) as (there, here):  # pyright: ignore[reportGeneralTypeIssues]
             # names, which are data afterwards

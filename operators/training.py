@@ -137,7 +137,7 @@ def train(python: str, takes: Sequence[str], output: Path, settings: TrainSettin
     """
     with tempfile.TemporaryDirectory() as folder:
         log, report = Path(folder) / "log", Path(folder) / "report.json"
-        arguments = ["train-predictor", *takes, "-o", str(output), *flags_of(settings)]
+        arguments = ["train-predictor", "-o", str(output.absolute()), *flags_of(settings)]
         with log.open("wb") as sink:
             process = subprocess.Popen(
                 [
@@ -150,6 +150,8 @@ def train(python: str, takes: Sequence[str], output: Path, settings: TrainSettin
                     *arguments,
                     "--json",
                     str(report),
+                    "--",
+                    *takes,
                 ],
                 stdin=subprocess.DEVNULL,
                 stdout=sink,
