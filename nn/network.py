@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.floating[Any]]
 
+_AT_ONCE = 1 << 18
+"""Multiplications in one product: OpenBLAS gives no more than these to a single thread."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Network:
@@ -32,11 +35,31 @@ class Network:
 
     def forward(self, x: Array) -> Array:
         """Outputs `(..., sizes[-1])` of inputs `(..., sizes[0])`, float32 as they come."""
-        return self.finish(x @ self.weights[0] + self.biases[0])
+        return self.finish(product(x, self.weights[0]) + self.biases[0])
 
     def finish(self, first: Array) -> Array:
         """Outputs from the first layer's sums `(..., sizes[1])`, for callers that compute those piecewise."""
         x = first
         for weight, bias in zip(self.weights[1:], self.biases[1:], strict=True):
-            x = np.maximum(x, 0.0) @ weight + bias
+            x = product(np.maximum(x, 0.0), weight) + bias
         return x
+
+
+def product(x: Array, weight: Array) -> Array:
+    """`x @ weight`, the same to the last bit on any number of threads.
+
+    Threads share a large product in ways that round differently, so it is made of small ones.
+    """
+    if x.ndim < 2:
+        return x @ weight
+    inputs, outputs = weight.shape
+    most = max(1, _AT_ONCE // (2 * outputs))
+    if inputs > most:
+        return product(x[..., :most], weight[:most]) + product(x[..., most:], weight[most:])
+    # at least two rows, since single ones are multiplied in another way
+    rows = max(2, _AT_ONCE // (inputs * outputs))
+    flat = x.reshape(-1, inputs)
+    padded = np.zeros((-(-len(flat) // rows) * rows, inputs), dtype=x.dtype)
+    padded[: len(flat)] = flat
+    made = padded.reshape(-1, rows, inputs) @ weight
+    return made.reshape(-1, outputs)[: len(flat)].reshape(*x.shape[:-1], outputs)
