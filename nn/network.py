@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.floating[Any]]
 
-_AT_ONCE = 1 << 18
-"""Multiplications in one product: OpenBLAS gives no more than these to a single thread."""
+_TILE = (32, 128, 64)
+"""Rows, inputs and outputs of one product: OpenBLAS leaves 2^18 multiplications to a single thread."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,14 +52,12 @@ def product(x: Array, weight: Array) -> Array:
     """
     if x.ndim < 2:
         return x @ weight
-    inputs, outputs = weight.shape
-    most = max(1, _AT_ONCE // (2 * outputs))
-    if inputs > most:
-        return product(x[..., :most], weight[:most]) + product(x[..., most:], weight[most:])
-    # at least two rows, since single ones are multiplied in another way
-    rows = max(2, _AT_ONCE // (inputs * outputs))
+    (height, deep, wide), (inputs, outputs) = _TILE, weight.shape
     flat = x.reshape(-1, inputs)
-    padded = np.zeros((-(-len(flat) // rows) * rows, inputs), dtype=x.dtype)
-    padded[: len(flat)] = flat
-    made = padded.reshape(-1, rows, inputs) @ weight
+    tiles = np.zeros((-(-len(flat) // height), height, inputs), dtype=x.dtype)
+    tiles.reshape(-1, inputs)[: len(flat)] = flat
+    made = np.zeros((len(tiles), height, outputs), dtype=np.result_type(x, weight))
+    for j in range(0, outputs, wide):
+        for i in range(0, inputs, deep):
+            made[..., j : j + wide] += tiles[..., i : i + deep] @ weight[i : i + deep, j : j + wide]
     return made.reshape(-1, outputs)[: len(flat)].reshape(*x.shape[:-1], outputs)
