@@ -1,5 +1,6 @@
 """`python -m footwork VERB`: the command line where bpy, if it is needed at all, is a Python module."""
 
+import contextlib
 import os
 import sys
 
@@ -9,7 +10,9 @@ try:
     code = main()
 except KeyboardInterrupt:  # while Python was still loading
     code = 2
-sys.stdout.flush()
-sys.stderr.flush()
+for stream in (sys.stdout, sys.stderr):
+    # nobody may be there to hear it any more
+    with contextlib.suppress(OSError):
+        stream.flush()
 # some bpy modules crash or hang while Python tears them down; everything is written by now
 os._exit(code)

@@ -67,10 +67,10 @@ def in_words() -> str:
 
 def _write_bvh(baked: Baked, path: Path) -> None:
     from ..core.body.edit import resample
-    from ..core.mocap.bvh import write_bvh
+    from ..core.mocap.bvh import format_bvh
     from ..core.mocap.export import to_bvh
 
-    write_bvh(path, to_bvh(resample(baked.motion, baked.fps), baked.armature.name))
+    path.write_text(format_bvh(to_bvh(resample(baked.motion, baked.fps), baked.armature.name)), newline="")
 
 
 def _write_fbx(baked: Baked, path: Path) -> None:

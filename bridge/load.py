@@ -36,6 +36,8 @@ def append(path: Path, name: str) -> bpy.types.Object | bpy.types.Collection | N
     into = bpy.context.scene.collection
     there: Any
     here: Any
+    # drivers of the file would run from here on; only the command line comes here, in a Blender of its own
+    bpy.context.preferences.filepaths.use_scripts_auto_execute = False
     try:
         with bpy.data.libraries.load(str(path)) as (there, here):  # pyright: ignore[reportGeneralTypeIssues]
             # names, which are data afterwards
@@ -76,7 +78,7 @@ def open_rig(path: Path) -> None:
         raise InputError(f"{path}: cannot read rigs from this kind of file; use {', '.join(RIG_FORMATS)}")
     try:
         if kind == ".blend":
-            bpy.ops.wm.open_mainfile(filepath=str(path))
+            bpy.ops.wm.open_mainfile(filepath=str(path), use_scripts=False)
             return
         bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
         # importers print the same fault at length

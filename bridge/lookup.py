@@ -1,26 +1,42 @@
-"""Finding data again that a long job was started for: names outlive undo, references do not."""
+"""Finding data again that a long job was started for: references do not outlive undo."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
 
 import bpy
 
 from ..core.errors import InputError
 
 
-def find_object(name: str) -> bpy.types.Object:
-    """The file's own object of this name; InputError where it is gone."""
-    obj = bpy.data.objects.get((name, None))
-    if obj is None:
-        raise InputError(f"{name}: the object is gone since the job was started; pick it again")
-    return obj
+@dataclass(frozen=True, slots=True)
+class Kept:
+    """An object or scene to be found again, whatever it is called by then; another one of its name does not count."""
+
+    name: str
+    """What it was called."""
+    kind: str
+    """"object" or "scene"."""
+    uid: int
+    """Blender's number for it: the same over undo and renaming, until another file is loaded."""
+
+    def find(self) -> Any:
+        """The object or scene; InputError where it is gone."""
+        for found in getattr(bpy.data, f"{self.kind}s"):
+            if found.session_uid == self.uid:
+                return found
+        raise InputError(f"{self.name}: the {self.kind} is gone since the job was started; start again")
 
 
-def find_scene(name: str) -> bpy.types.Scene:
-    """The file's own scene of this name; InputError where it is gone."""
-    scene = bpy.data.scenes.get((name, None))
-    if scene is None:
-        raise InputError(f"{name}: the scene is gone since the job was started; start again")
-    return scene
+def keep_object(obj: bpy.types.Object) -> Kept:
+    """What finds an object again."""
+    return Kept(obj.name, "object", obj.session_uid)
+
+
+def keep_scene(scene: bpy.types.Scene) -> Kept:
+    """What finds a scene again."""
+    return Kept(scene.name, "scene", scene.session_uid)
 
 
 def metres_per_unit(scene: bpy.types.Scene) -> float:

@@ -11,12 +11,13 @@ import bpy
 
 from ..core.body.motion import Motion
 from ..core.errors import InputError
-from ..core.files import write_together
 from ..core.pipeline import BakeResult
 from ..core.rig.ground import Ground
 from ..core.rig.rig import Rig
+from ..core.transaction import Transaction
 from .action import write_action
 from .armature import armature_to_rig, create_armature, rig_doubts
+from .errors import writing
 from .exports import Baked, kind_of
 from .ground import chosen_ground
 from .load import append, armature_of, check_ground, open_rig, split_rig
@@ -78,12 +79,18 @@ class Target:
         scene.frame_set(1)
         self.motion = result.motion
 
-    def save(self, output: str, exports: Sequence[str]) -> None:
-        """Write the .blend and every export, all of them or none."""
+    def save(self, output: str, exports: Sequence[str], outputs: Transaction) -> None:
+        """Write the .blend and every export.
+
+        Raises:
+            InputError: Blender cannot write one of them.
+        """
         assert self.motion is not None
         baked = Baked(bpy.data.objects[self.object_name], self.motion, self.fps)
-        writers = {path: partial(kind_of(path).write, baked) for path in exports}
-        write_together({**writers, output: _save_copy})
+        writers = [(path, partial(kind_of(path).write, baked)) for path in exports]
+        for path, write in [*writers, (output, _save_copy)]:
+            with outputs.staging(path) as new, writing(path):
+                write(new)
 
 
 def open_target(spec: str | None, fps: float) -> Target:

@@ -11,8 +11,9 @@ from typing import Any
 from ..core.errors import InputError
 from ..core.files import sha256_of
 from ..core.settings import BakeSettings
+from ..core.transaction import Transaction
 from .common import choose_predictor, load_databases, needing, run, say
-from .options import add_database, add_settings, read_settings
+from .options import InputPath, OutputPath, add_database, add_settings, read_settings
 from .verb import Report, Verb
 
 NO_BPY = "bake writes Blender files: run it in Blender, or install the Python module bpy"
@@ -21,18 +22,36 @@ NO_BPY = "bake writes Blender files: run it in Blender, or install the Python mo
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
     from ..bridge import exports
 
-    parser.add_argument("recording", metavar="RECORDING", help="the three trackers, in any known format")
     parser.add_argument(
-        "--rig", metavar="FILE[:OBJECT]", help=".blend, .fbx, .glb or .vrm; default: the database's skeleton"
+        "recording", type=InputPath, metavar="RECORDING", help="the three trackers, in any known format"
+    )
+    parser.add_argument(
+        "--rig",
+        type=InputPath,
+        metavar="FILE[:OBJECT]",
+        help=".blend, .fbx, .glb or .vrm; default: the database's skeleton",
     )
     parser.add_argument(
         "--ground",
+        type=InputPath,
         metavar="FILE.blend[:NAME]",
         help="what the feet stand on: an object or collection of a .blend, or all of it; comes into the output, too",
     )
-    parser.add_argument("-o", "--output", required=True, metavar="OUT.blend", help="the file to write")
     parser.add_argument(
-        "--export", action="append", default=[], metavar="FILE", help=f"also write {exports.in_words()}"
+        "-o",
+        "--output",
+        type=OutputPath.to(".blend"),
+        required=True,
+        metavar="OUT.blend",
+        help="the file to write",
+    )
+    parser.add_argument(
+        "--export",
+        type=OutputPath,
+        action="append",
+        default=[],
+        metavar="FILE",
+        help=f"also write {exports.in_words()}",
     )
     parser.add_argument(
         "--eye-height", type=float, metavar="M", help="standing eye height, m (default: the recording's)"
@@ -43,7 +62,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     _add_part(parser)
     add_database(parser)
     parser.add_argument(
-        "--predictor", metavar="P.npz", help='body-orientation weights, or "headset" for none'
+        "--predictor", type=InputPath, metavar="P.npz", help='body-orientation weights, or "headset" for none'
     )
     add_settings(parser, BakeSettings)
 
@@ -67,7 +86,7 @@ def _add_part(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def _run(options: argparse.Namespace) -> Report:
+def _run(options: argparse.Namespace, outputs: Transaction) -> Report:
     """An animated rig from a recording, written as a Blender file."""
     with needing("bpy", NO_BPY):
         from ..bridge import load, targets
@@ -90,7 +109,7 @@ def _run(options: argparse.Namespace) -> Report:
     rig, ground_file = (load.split_rig(path)[0] if path else None for path in (options.rig, options.ground))
     result.report["inputs"] += _more_inputs(options.predictor, rig, ground_file)
     target.write(result, Path(options.recording).stem)
-    target.save(options.output, options.export)
+    target.save(options.output, options.export, outputs)
     say(options, report_in_words(result.report))
     say(
         options,
@@ -127,6 +146,4 @@ BAKE = Verb(
     "turn a recording into an animated rig",
     _add_arguments,
     _run,
-    reads=("recording", "database", "predictor", "rig", "ground"),
-    writes=".blend",
 )

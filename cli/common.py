@@ -6,7 +6,6 @@ import argparse
 import contextlib
 import importlib
 import json
-import os
 import sys
 from collections.abc import Callable, Generator, Sequence
 from pathlib import Path
@@ -15,7 +14,6 @@ from typing import Any
 from ..core import jobs
 from ..core.bounds import REPORT_BYTES
 from ..core.errors import FaultError, InputError, one_line
-from ..core.files import write_atomically
 from .verb import Report
 
 NO_FIGURES = "no figures: they need matplotlib (pip install matplotlib)"
@@ -48,30 +46,9 @@ def run(job: jobs.Job[Any]) -> Any:
     return jobs.run(job, tell)
 
 
-def write_report(report: Report, target: str) -> None:
-    """JSON to a file, or to standard output for "-"."""
-    text = json.dumps(report, indent=2, ensure_ascii=False) + "\n"
-    if target == "-":
-        sys.stdout.write(text)
-        return
-    write_atomically(target, lambda file: file.write(text.encode()))
-
-
-@contextlib.contextmanager
-def quiet_stdout(wanted: bool) -> Generator[None]:
-    """While it lasts, and if `wanted`, whatever Blender prints goes to standard error, not into a report."""
-    if not wanted:
-        yield
-        return
-    sys.stdout.flush()
-    kept = os.dup(1)
-    os.dup2(2, 1)
-    try:
-        yield
-    finally:
-        sys.stdout.flush()
-        os.dup2(kept, 1)
-        os.close(kept)
+def report_text(report: Report) -> str:
+    """A report as JSON."""
+    return json.dumps(report, indent=2, ensure_ascii=False) + "\n"
 
 
 def say(options: argparse.Namespace, text: str) -> None:

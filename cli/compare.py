@@ -5,15 +5,17 @@ from __future__ import annotations
 import argparse
 
 from ..core.errors import InputError
+from ..core.transaction import Transaction
 from .common import each, read_report, say
+from .options import InputPath
 from .verb import Report, Verb
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
     from ..core.evaluation.compare import TOLERANCE
 
-    parser.add_argument("old", metavar="OLD.json", help="a report of evaluate or bake")
-    parser.add_argument("new", metavar="NEW.json", help="a later one")
+    parser.add_argument("old", type=InputPath, metavar="OLD.json", help="a report of evaluate or bake")
+    parser.add_argument("new", type=InputPath, metavar="NEW.json", help="a later one")
     parser.add_argument(
         "--tolerance",
         type=float,
@@ -26,7 +28,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def _run(options: argparse.Namespace) -> Report:
+def _run(options: argparse.Namespace, outputs: Transaction) -> Report:
     """Two reports side by side."""
     from ..core.evaluation.compare import compare_reports, comparison_in_words
 
@@ -47,5 +49,4 @@ COMPARE_REPORTS = Verb(
     "say what got better and worse between two reports",
     _add_arguments,
     _run,
-    reads=("old", "new"),
 )

@@ -8,14 +8,22 @@ from pathlib import Path
 
 from ..core.errors import InputError
 from ..core.settings import DatabaseSettings
+from ..core.transaction import Transaction
 from .common import load_takes, run, say
-from .options import add_settings, read_settings
+from .options import InputPath, OutputPath, add_settings, read_settings
 from .verb import Report, Verb
 
 
 def _add_build(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("takes", nargs="+", metavar="TAKE", help="BVH takes")
-    parser.add_argument("-o", "--output", required=True, metavar="DB.npz", help="the database to write")
+    parser.add_argument("takes", type=InputPath, nargs="+", metavar="TAKE", help="BVH takes")
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=OutputPath.to(".npz"),
+        required=True,
+        metavar="DB.npz",
+        help="the database to write",
+    )
     parser.add_argument(
         "--height-range",
         nargs=2,
@@ -45,13 +53,14 @@ def _add_build(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--skeleton",
+        type=InputPath,
         metavar="DB.npz",
         help="build on this database's skeleton, so that a bake can use both (default: the first take's)",
     )
     add_settings(parser, DatabaseSettings, skip=("height_low", "height_high"))
 
 
-def _build(options: argparse.Namespace) -> Report:
+def _build(options: argparse.Namespace, outputs: Transaction) -> Report:
     """A motion database from takes."""
     from ..core.database.build import build_database
     from ..core.database.clips import parse_exclusion
@@ -75,7 +84,7 @@ def _build(options: argparse.Namespace) -> Report:
         skeleton=skeleton,
     )
     database = run(job)
-    save_database(Path(options.output), database)
+    save_database(options.output, database, outputs)
     report = describe_database(database)
     for line in report["provenance"]["skipped"]:
         print(f"footwork build-database: left out: {line}", file=sys.stderr)
@@ -90,10 +99,10 @@ def _build(options: argparse.Namespace) -> Report:
 
 
 def _add_info(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("database", metavar="DB.npz", help="a motion database")
+    parser.add_argument("database", type=InputPath, metavar="DB.npz", help="a motion database")
 
 
-def _info(options: argparse.Namespace) -> Report:
+def _info(options: argparse.Namespace, outputs: Transaction) -> Report:
     """What a database holds."""
     from ..core.database.describe import describe_database
     from ..core.database.sidecar import load_database
@@ -122,13 +131,10 @@ BUILD_DATABASE = Verb(
     "build a motion database from takes",
     _add_build,
     _build,
-    reads=("takes", "skeleton"),
-    writes=".npz",
 )
 DATABASE_INFO = Verb(
     "database-info",
     "show a database's contents, coverage and provenance",
     _add_info,
     _info,
-    reads=("database",),
 )

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 import traceback
 from collections.abc import Sequence
 
 from ..core.errors import InputError
-from .common import quiet_stdout, write_report
-from .options import check_outputs
+from ..core.transaction import Transaction
+from .common import report_text
+from .options import STDOUT, open_outputs
 from .parser import make_parser
+from .streams import ended_by_sigterm, forgiving_streams, quiet_stdout, send
+from .verb import Report
 
 DONE, BUG, BAD_INPUT, LIMIT = 0, 1, 2, 3
 
@@ -19,40 +21,53 @@ DONE, BUG, BAD_INPUT, LIMIT = 0, 1, 2, 3
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one verb and return its exit code; nothing but the code says that it failed to a caller in Blender.
 
-    Exit codes: 0 done, 1 our bug, 2 bad usage or bad input, 3 a limit of --fail-if is passed.
+    Exit codes: 0 done, 1 our bug, 2 bad usage, bad input or cancelled, 3 a limit of --fail-if is passed. With 1 and 2
+    all files are as they were.
     """
-    parser = make_parser()
+    with forgiving_streams():
+        parser = make_parser()
+        try:
+            options = parser.parse_args(argv)
+        except SystemExit as end:
+            return int(end.code or 0)
+        return _run(options)
+
+
+def _run(options: argparse.Namespace) -> int:
+    outputs: Transaction | None = None
+    report: Report = {}
     try:
-        options = parser.parse_args(argv)
-    except SystemExit as end:
-        return int(end.code or 0)
-    try:
-        check_outputs(options)
-        with quiet_stdout(options.json == "-"):
-            report = options.chosen.run(options)
-        if options.json is not None:
-            write_report(report, options.json)
+        with ended_by_sigterm(), open_outputs(options) as outputs:
+            with quiet_stdout(options.json == STDOUT):
+                report = options.chosen.run(options, outputs)
+            if options.json is not None:
+                _put(report, options.json, outputs)
     except InputError as error:
         for line in str(error).splitlines():
             print(f"footwork {options.verb}: {line}", file=sys.stderr)
         return BAD_INPUT
-    except KeyboardInterrupt:
-        return _cancelled(options)
-    except BrokenPipeError:  # whoever read our output has read enough
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    except Exception:
+    except (Exception, KeyboardInterrupt) as error:
         # Blender's operators turn a cancel into an error of theirs
-        if "KeyboardInterrupt" in traceback.format_exc():
+        if not isinstance(error, KeyboardInterrupt) and "KeyboardInterrupt" not in traceback.format_exc():
+            traceback.print_exc()
+            print(
+                f"footwork {options.verb}: this is a bug in Footwork; please report the lines above",
+                file=sys.stderr,
+            )
+            return BUG
+        # it came too late where all is written
+        if outputs is None or not outputs.committed:
             return _cancelled(options)
-        traceback.print_exc()
-        print(
-            f"footwork {options.verb}: this is a bug in Footwork; please report the lines above",
-            file=sys.stderr,
-        )
-        return BUG
+    return LIMIT if report.get("failed") else DONE
+
+
+def _put(report: Report, target: str, outputs: Transaction) -> None:
+    """The report as a file among the others, or on standard output before they are there."""
+    text = report_text(report)
+    if target == STDOUT:
+        send(text)
     else:
-        return LIMIT if report.get("failed") else DONE
-    return DONE
+        outputs.write(target, lambda file: file.write(text.encode()))
 
 
 def _cancelled(options: argparse.Namespace) -> int:

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import argparse
 import sys
+from pathlib import Path
 from typing import Any
 
 from ..core.files import sha256_of
 from ..core.settings import BakeSettings
+from ..core.transaction import Transaction
 from .common import choose_predictor, each, load_databases, load_takes, needing, read_report, run, say
 from .experiments import add_experiments
-from .options import add_database, add_settings, read_settings
-from .report_folder import report_folder, write_folder
+from .options import InputPath, OutputFolder, add_database, add_settings, read_settings
+from .report_folder import CERTAIN, write_folder
 from .verb import Report, Verb
 
 NO_BPY = "--in-blender measures in Blender: run it there, or install the Python module bpy"
@@ -32,7 +34,9 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.epilog = _EPILOG
-    parser.add_argument("takes", nargs="+", metavar="TAKE", help="BVH takes that are in no database given")
+    parser.add_argument(
+        "takes", type=InputPath, nargs="+", metavar="TAKE", help="BVH takes that are in no database given"
+    )
     parser.add_argument(
         "--experiment",
         action="append",
@@ -43,6 +47,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-o",
         "--output",
+        type=OutputFolder.of(*CERTAIN),
         metavar="FOLDER",
         help="write report.html, report.json and the figures here (figures need matplotlib)",
     )
@@ -53,7 +58,9 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="CONDITION",
         help='end with code 3 where a metric is so, as in "foot_skate_cm_s.mean > 2"; may be repeated',
     )
-    parser.add_argument("--against", metavar="REPORT.json", help="compare with an earlier report")
+    parser.add_argument(
+        "--against", type=InputPath, metavar="REPORT.json", help="compare with an earlier report"
+    )
     parser.add_argument(
         "--in-blender", action="store_true", help="measure the action on an armature as Blender evaluates it"
     )
@@ -66,6 +73,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 def _add_predictors(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--predictor",
+        type=InputPath,
         action="append",
         default=[],
         metavar="P.npz",
@@ -74,6 +82,7 @@ def _add_predictors(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--train-on",
+        type=InputPath,
         nargs="+",
         default=[],
         metavar="TAKE",
@@ -89,7 +98,7 @@ def _add_predictors(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def _run(options: argparse.Namespace) -> Report:
+def _run(options: argparse.Namespace, outputs: Transaction) -> Report:
     """Bakes of recordings simulated from takes, compared with the takes themselves."""
     from ..core.evaluation.compare import compare_reports, comparison_in_words
     from ..core.evaluation.evaluate import evaluate_takes
@@ -103,7 +112,7 @@ def _run(options: argparse.Namespace) -> Report:
     old = read_report(options.against) if options.against else None
     names = list(EXPERIMENTS) if "all" in options.experiment else list(dict.fromkeys(options.experiment))
     show = blender_show() if options.in_blender else None
-    folder = report_folder(options.output)
+    folder = None if options.output is None else Path(options.output)
     databases = load_databases(options.database)
     takes = load_takes(options.takes, databases[0].fps)
     first = options.predictor[0] if options.predictor else None
@@ -113,7 +122,7 @@ def _run(options: argparse.Namespace) -> Report:
     report["inputs"] += [{"kind": "predictor", "name": p, "sha256": sha256_of(p)} for p in weights]
     for entry in report["takes"]:
         say(options, f"{entry['take']}\n{report_in_words(entry)}")
-    figures = add_experiments(options, report, names, takes, databases, predict, settings, folder)
+    figures = add_experiments(options, report, names, takes, databases, predict, settings, outputs)
     if old is not None:
         report["comparison"] = compare_reports(old, report)
         say(options, comparison_in_words(report["comparison"]))
@@ -121,7 +130,7 @@ def _run(options: argparse.Namespace) -> Report:
         report["limits"] = [limit.text for limit in limits]
         report["failed"] = failures(report["metrics"], limits)
     if folder is not None:
-        write_folder(folder, report, figures)
+        write_folder(folder, report, figures, outputs)
     for line in (*report["warnings"], *(f"failed: {line}" for line in report.get("failed", []))):
         print(f"footwork evaluate: {line}", file=sys.stderr)
     return report
@@ -139,5 +148,4 @@ EVALUATE = Verb(
     "compare bakes with the truth: each take is the user",
     _add_arguments,
     _run,
-    reads=("takes", "database", "predictor", "train_on", "against"),
 )

@@ -10,8 +10,8 @@ from typing import Any
 
 from ..core.errors import InputError
 from ..core.settings import BakeSettings
+from ..core.transaction import Transaction
 from .common import each, load_takes, run, say
-from .report_folder import make
 from .verb import Report
 
 
@@ -23,7 +23,7 @@ def add_experiments(
     databases: Sequence[Any],
     predict: Callable[[Any], Any] | None,
     settings: BakeSettings,
-    folder: Path | None,
+    outputs: Transaction,
 ) -> dict[str, list[Any]]:
     """Make experiments, add their tables to the report, and return their plots by name."""
     from ..core.evaluation.experiments import EXPERIMENTS
@@ -33,7 +33,7 @@ def add_experiments(
     predictors: dict[str, Any] = {}
     trained: dict[str, frozenset[str]] = {}
     if "orientation" in names:
-        predictors, trained = compared_predictors(options, folder)
+        predictors, trained = compared_predictors(options, outputs)
     study = Study(takes, databases, predict, settings, predictors, trained)
     plots: dict[str, list[Any]] = {}
     for name in names:
@@ -51,7 +51,7 @@ def add_experiments(
 
 
 def compared_predictors(
-    options: argparse.Namespace, folder: Path | None
+    options: argparse.Namespace, outputs: Transaction
 ) -> tuple[dict[str, Any], dict[str, frozenset[str]]]:
     """The predictors of the experiment orientation by label, and the takes that each was trained on."""
     from ..core.recording.orientation import HEADSET
@@ -60,7 +60,7 @@ def compared_predictors(
     given = [path for path in options.predictor if path != HEADSET]
     loaded = list(zip([Path(p).stem for p in given], each(given, load_predictor), strict=True))
     if options.train_on:
-        loaded += train_paper_networks(options, folder)
+        loaded += train_paper_networks(options, outputs)
     shipped = shipped_predictors()
     if not any(predictor.layout is None for _, predictor in loaded):
         loaded += [(name, p) for name, p in shipped.items() if p.layout is None]
@@ -78,7 +78,7 @@ def compared_predictors(
     return ways, trained
 
 
-def train_paper_networks(options: argparse.Namespace, folder: Path | None) -> list[tuple[str, Any]]:
+def train_paper_networks(options: argparse.Namespace, outputs: Transaction) -> list[tuple[str, Any]]:
     """The paper's network trained with r = 1 and r = 50, to be compared."""
     from ..nn.predictor import load_predictor
     from ..nn.settings import TrainSettings
@@ -91,7 +91,13 @@ def train_paper_networks(options: argparse.Namespace, folder: Path | None) -> li
             settings = TrainSettings(
                 kind="paper", iterations=iterations, time_limit=options.train_time, keep_worse=True
             )
-            target = (make(folder) if folder else Path(temporary)) / f"r{iterations}.npz"
+            target = Path(temporary) / f"r{iterations}.npz"
             run(train_predictor(takes, settings, target))
             out.append((target.stem, load_predictor(target)))
+            if options.output is not None:
+                weights = target.read_bytes()
+                outputs.folder(options.output)
+                outputs.write(
+                    Path(options.output) / target.name, lambda file, weights=weights: file.write(weights)
+                )
     return out

@@ -1,23 +1,82 @@
-"""Arguments that several verbs share, flags made from settings, and the check of outputs."""
+"""Arguments that several verbs share, flags made from settings, and arguments that are files."""
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import MISSING, fields
 from pathlib import Path
 from typing import Any
 
 from ..core.errors import InputError
-from ..core.files import check_target
 from ..core.settings import check
-from .verb import Verb
+from ..core.transaction import Transaction
+
+STDOUT = "-"
+
+
+class InputPath(str):
+    """The `type` of arguments that name a file to read, or FILE:OBJECT."""
+
+    __slots__ = ()
+
+    def files(self) -> list[str]:
+        """What must not be overwritten."""
+        file, colon, _ = self.rpartition(":")
+        return [str(self), file] if colon and file else [str(self)]
+
+
+class OutputPath(str):
+    """The `type` of arguments that name a file to write, or "-"."""
+
+    suffix = ""
+
+    @staticmethod
+    def to(suffix: str) -> Callable[[str], OutputPath]:
+        """For files that can only be of one kind."""
+
+        def make(text: str) -> OutputPath:
+            path = OutputPath(text)
+            path.suffix = suffix
+            return path
+
+        return make
+
+    def files(self) -> list[str]:
+        """What is written; InputError where its kind is wrong."""
+        if self == STDOUT and not self.suffix:
+            return []
+        if self.suffix and Path(self).suffix.lower() != self.suffix:
+            raise InputError(f"{self}: cannot write this kind of file; let its name end in {self.suffix}")
+        return [str(self)]
+
+
+class OutputFolder(str):
+    """The `type` of arguments that name a folder to write files into."""
+
+    certain: tuple[str, ...] = ()
+
+    @staticmethod
+    def of(*names: str) -> Callable[[str], OutputFolder]:
+        """For folders that always get files of these names."""
+
+        def make(text: str) -> OutputFolder:
+            folder = OutputFolder(text)
+            folder.certain = names
+            return folder
+
+        return make
+
+    def files(self) -> list[str]:
+        """What is certainly written; the transaction looks at the rest when it comes."""
+        return [str(Path(self) / name) for name in self.certain]
 
 
 def add_database(parser: argparse.ArgumentParser) -> None:
     """The option for one or more databases."""
     parser.add_argument(
         "--database",
+        type=InputPath,
         action="append",
         required=True,
         metavar="DB.npz",
@@ -63,35 +122,23 @@ def read_settings(options: argparse.Namespace, settings: type, **fixed: Any) -> 
     return made
 
 
-def check_outputs(options: argparse.Namespace) -> None:
-    """Raise InputError, before any work, where what a verb is to write cannot be written or is one of its inputs."""
-    verb: Verb = options.chosen
-    outputs = [options.output, *getattr(options, "export", ())] if verb.writes else []
-    if outputs and Path(outputs[0]).suffix.lower() != verb.writes:
-        raise InputError(f"{outputs[0]}: cannot write this kind of file; let its name end in {verb.writes}")
-    plot = getattr(options, "plot", None)
-    if plot is not None:
-        if Path(plot).suffix.lower() != ".png":
-            raise InputError(f"{plot}: figures are PNG; let its name end in .png")
-        outputs.append(plot)
-    if options.json not in (None, "-"):
-        outputs.append(options.json)
-    inputs = {Path(path).resolve() for path in _inputs(options, verb)}
+def open_outputs(options: argparse.Namespace) -> Transaction:
+    """The transaction of all that a verb writes, which keeps its hands off all that the verb reads.
+
+    Raises:
+        InputError: before any work, where an output cannot be written or is one of the inputs.
+    """
+    given = [
+        item for value in vars(options).values() for item in (value if isinstance(value, list) else [value])
+    ]
+    outputs = Transaction(file for item in given if isinstance(item, InputPath) for file in item.files())
     targets: set[Path] = set()
-    for path in outputs:
-        target = check_target(path)
-        if target in inputs:
-            raise InputError(f"{path}: is one of the files to read; write to another one")
-        if target in targets:
-            raise InputError(f"{path}: is to be written twice; give each output a name of its own")
-        targets.add(target)
-
-
-def _inputs(options: argparse.Namespace, verb: Verb) -> list[str]:
-    """Every file that the verb is to read."""
-    paths: list[str] = []
-    for name in verb.reads:
-        value = getattr(options, name) or []
-        paths += [value] if isinstance(value, str) else value
-    # of FILE:OBJECT the file, too
-    return paths + [path.rpartition(":")[0] for path in paths if ":" in path]
+    for item in given:
+        if isinstance(item, OutputFolder):
+            outputs.folder(item)
+        for path in item.files() if isinstance(item, OutputPath | OutputFolder) else []:
+            target = outputs.check(path)
+            if target in targets:
+                raise InputError(f"{path}: is to be written twice; give each output a name of its own")
+            targets.add(target)
+    return outputs

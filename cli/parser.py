@@ -9,6 +9,7 @@ from .bake import BAKE
 from .compare import COMPARE_REPORTS
 from .database import BUILD_DATABASE, DATABASE_INFO
 from .evaluate import EVALUATE
+from .options import OutputPath
 from .predictor import EVALUATE_PREDICTOR, TRAIN_PREDICTOR
 from .takes import INSPECT, SIMULATE_RECORDING
 from .verb import Verb
@@ -45,7 +46,10 @@ class VerbParser(argparse.ArgumentParser):
             return
         self.set_defaults(chosen=self._verb)
         self.add_argument(
-            "--json", metavar="FILE", help="write a machine-readable report, - for standard output"
+            "--json",
+            type=OutputPath,
+            metavar="FILE",
+            help="write a machine-readable report, - for standard output",
         )
         self._verb.add_arguments(self)
         self._verb = None
@@ -56,8 +60,8 @@ def make_parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="footwork",
         description="Full-body animation from a VR headset and two hand controllers.",
-        epilog="footwork VERB --help tells what a verb can do. Exit codes: 0 done, 2 bad usage or bad input (nothing "
-        "written), 3 a limit of --fail-if is passed, 1 a bug of ours.",
+        epilog="footwork VERB --help tells what a verb can do. Exit codes: 0 done, 2 bad usage, bad input or cancelled "
+        "(nothing written), 3 a limit of --fail-if is passed, 1 a bug of ours.",
     )
     verbs = parser.add_subparsers(dest="verb", metavar="VERB", required=True, parser_class=VerbParser)
     for verb in VERBS:

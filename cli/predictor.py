@@ -6,10 +6,10 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-from ..core.files import write_atomically
+from ..core.transaction import Transaction
 from ..nn.settings import TrainSettings
 from .common import drawing, each, load_takes, run, say
-from .options import add_settings, read_settings
+from .options import InputPath, OutputPath, add_settings, read_settings
 from .verb import Report, Verb
 
 LOST = {"none": (), "left": ("left",), "right": ("right",), "both": ("left", "right")}
@@ -17,18 +17,25 @@ LOST = {"none": (), "left": ("left",), "right": ("right",), "both": ("left", "ri
 
 
 def _add_train(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("takes", nargs="+", metavar="TAKE", help="BVH takes")
-    parser.add_argument("-o", "--output", required=True, metavar="P.npz", help="the weights to write")
+    parser.add_argument("takes", type=InputPath, nargs="+", metavar="TAKE", help="BVH takes")
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=OutputPath.to(".npz"),
+        required=True,
+        metavar="P.npz",
+        help="the weights to write",
+    )
     add_settings(parser, TrainSettings)
 
 
-def _train(options: argparse.Namespace) -> Report:
+def _train(options: argparse.Namespace, outputs: Transaction) -> Report:
     """A body-orientation predictor from takes."""
     from ..nn.train.job import train_predictor
 
     settings = read_settings(options, TrainSettings)
     takes = load_takes(options.takes)
-    return run(train_predictor(takes, settings, Path(options.output)))
+    return run(train_predictor(takes, settings, Path(options.output), outputs=outputs))
 
 
 def _when_cancelled(options: argparse.Namespace) -> str:
@@ -39,9 +46,12 @@ def _when_cancelled(options: argparse.Namespace) -> str:
 
 
 def _add_evaluate(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("takes", nargs="+", metavar="TAKE", help="BVH takes, each the user once")
+    parser.add_argument(
+        "takes", type=InputPath, nargs="+", metavar="TAKE", help="BVH takes, each the user once"
+    )
     parser.add_argument(
         "--predictor",
+        type=InputPath,
         action="append",
         metavar="P.npz",
         help="weights; may be repeated (default: everything that ships)",
@@ -50,11 +60,14 @@ def _add_evaluate(parser: argparse.ArgumentParser) -> None:
         "--lost", choices=LOST, default="none", help="controllers that sleep all the time (default: none)"
     )
     parser.add_argument(
-        "--plot", metavar="FILE.png", help="draw the errors: by minute, and how often they are small"
+        "--plot",
+        type=OutputPath.to(".png"),
+        metavar="FILE.png",
+        help="draw the errors: by minute, and how often they are small",
     )
 
 
-def _evaluate(options: argparse.Namespace) -> Report:
+def _evaluate(options: argparse.Namespace, outputs: Transaction) -> Report:
     """Orientation errors of predictors beside the headset's forward."""
     from ..nn.evaluate import errors_in_words, evaluate_predictors
     from ..nn.predictor import load_predictor, shipped_predictors
@@ -68,7 +81,7 @@ def _evaluate(options: argparse.Namespace) -> Report:
     report = evaluate_predictors(load_takes(options.takes), predictors, LOST[options.lost])
     say(options, errors_in_words(report))
     if figures is not None:
-        write_atomically(options.plot, lambda file: file.write(figures.draw_predictors(report)))
+        outputs.write(options.plot, lambda file: file.write(figures.draw_predictors(report)))
     return report
 
 
@@ -85,8 +98,6 @@ TRAIN_PREDICTOR = Verb(
     "train a body-orientation predictor on takes (needs torch)",
     _add_train,
     _train,
-    reads=("takes",),
-    writes=".npz",
     when_cancelled=_when_cancelled,
 )
 EVALUATE_PREDICTOR = Verb(
@@ -94,5 +105,4 @@ EVALUATE_PREDICTOR = Verb(
     "orientation errors beside the headset's forward",
     _add_evaluate,
     _evaluate,
-    reads=("takes", "predictor"),
 )

@@ -7,35 +7,19 @@ from pathlib import Path
 from typing import Any
 
 from ..core.errors import InputError
-from ..core.files import write_atomically
-from .common import drawing, write_report
+from ..core.transaction import Transaction
+from .common import drawing, report_text
 from .verb import Report
 
-
-def report_folder(path: str | None) -> Path | None:
-    """The folder for the report, which is made when there is something to write."""
-    if path is None:
-        return None
-    folder = Path(path)
-    if folder.exists() and not folder.is_dir():
-        raise InputError(f"{path}: is a file; give a folder for the report")
-    return folder
+PAGE, REPORT = CERTAIN = ("report.html", "report.json")
+"""The files that are always in it; the figures' names depend on the takes."""
 
 
-def make(folder: Path) -> Path:
-    """The folder, made where it is missing."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"{folder}: cannot be made ({error.strerror}); choose another folder") from error
-    return folder
-
-
-def write_folder(folder: Path, report: Report, plots: dict[str, list[Any]]) -> None:
+def write_folder(folder: Path, report: Report, plots: dict[str, list[Any]], outputs: Transaction) -> None:
     """The page, the report and the figures; without matplotlib the page has tables alone."""
     from ..core.evaluation.page import page
 
-    make(folder)
+    outputs.folder(folder)
     figures: dict[str, list[tuple[str, bytes]]] = {}
     notes: list[str] = []
     try:
@@ -49,8 +33,8 @@ def write_folder(folder: Path, report: Report, plots: dict[str, list[Any]]) -> N
     for name, drawn in figures.items():
         for i, (_, png) in enumerate(drawn):
             target = folder / f"{Path(name).stem}{f'-{i + 1}' if len(drawn) > 1 else ''}.png"
-            write_atomically(target, lambda file, png=png: file.write(png))
-    text = page(report, figures, notes)
-    write_atomically(folder / "report.html", lambda file: file.write(text.encode()))
-    write_report(report, str(folder / "report.json"))
-    print(f"{folder / 'report.html'} written", file=sys.stderr)
+            outputs.write(target, lambda file, png=png: file.write(png))
+    for name, text in ((PAGE, page(report, figures, notes)), (REPORT, report_text(report))):
+        outputs.write(folder / name, lambda file, text=text: file.write(text.encode()))
+    place = folder / PAGE
+    outputs.afterwards(lambda: print(f"{place} written", file=sys.stderr))

@@ -5,15 +5,17 @@ from __future__ import annotations
 import argparse
 import sys
 
+from ..core.transaction import Transaction
 from .common import each, load_takes, say
+from .options import InputPath, OutputPath
 from .verb import Report, Verb
 
 
 def _add_inspect(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("files", nargs="+", metavar="FILE", help="BVH takes or recordings")
+    parser.add_argument("files", type=InputPath, nargs="+", metavar="FILE", help="BVH takes or recordings")
 
 
-def _inspect(options: argparse.Namespace) -> Report:
+def _inspect(options: argparse.Namespace, outputs: Transaction) -> Report:
     """What is in takes and recordings, and what is doubtful."""
     from ..core.mocap.families import families
     from ..core.mocap.takes import load_take
@@ -37,18 +39,25 @@ def _inspect(options: argparse.Namespace) -> Report:
 
 
 def _add_simulate(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("take", metavar="TAKE", help="a BVH take")
-    parser.add_argument("-o", "--output", required=True, metavar="R.csv", help="the recording to write")
+    parser.add_argument("take", type=InputPath, metavar="TAKE", help="a BVH take")
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=OutputPath.to(".csv"),
+        required=True,
+        metavar="R.csv",
+        help="the recording to write",
+    )
 
 
-def _simulate(options: argparse.Namespace) -> Report:
+def _simulate(options: argparse.Namespace, outputs: Transaction) -> Report:
     """A recording with virtual trackers from a take."""
     from ..core.recording.csv_format import write_csv
     from ..core.recording.simulate import simulate_recording
 
     (take,) = load_takes([options.take])
     recording = simulate_recording(take.motion, take.name)
-    write_csv(options.output, recording)
+    write_csv(options.output, recording, outputs)
     say(options, f"{options.output}: {recording.times[-1]:.1f} s at {recording.fps:g} per second")
     return {"file": options.output, "seconds": float(recording.times[-1]), "fps": recording.fps}
 
@@ -58,13 +67,10 @@ INSPECT = Verb(
     "show what is found in takes or recordings, and what is doubtful",
     _add_inspect,
     _inspect,
-    reads=("files",),
 )
 SIMULATE_RECORDING = Verb(
     "simulate-recording",
     "make a recording with virtual trackers from a take",
     _add_simulate,
     _simulate,
-    reads=("take",),
-    writes=".csv",
 )

@@ -7,6 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from ..core.transaction import Transaction
+
 Report = dict[str, Any]
 
 
@@ -19,11 +21,8 @@ class Verb:
     """What it does, in lower case and without a full stop, for the list of verbs and its own help."""
     add_arguments: Callable[[argparse.ArgumentParser], None]
     """Adds its arguments; `--json` comes by itself."""
-    run: Callable[[argparse.Namespace], Report]
-    """Does the job; a report with something under "failed" ends with exit code 3."""
-    reads: tuple[str, ...] = ()
-    """The arguments that name files to read, which no output may overwrite."""
-    writes: str = ""
-    """Suffix of the one file that it must write, if it does."""
+    run: Callable[[argparse.Namespace, Transaction], Report]
+    """Does the job and puts all its outputs into the transaction; a report with something under "failed" ends with exit
+    code 3."""
     when_cancelled: Callable[[argparse.Namespace], str] = lambda options: ""
     """What to say after "cancelled"."""

@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.floating[Any]]
 
+_TILE = (32, 128, 64)
+"""Rows, inputs and outputs of one product: OpenBLAS leaves 2^18 multiplications to a single thread."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Network:
@@ -32,11 +35,29 @@ class Network:
 
     def forward(self, x: Array) -> Array:
         """Outputs `(..., sizes[-1])` of inputs `(..., sizes[0])`, float32 as they come."""
-        return self.finish(x @ self.weights[0] + self.biases[0])
+        return self.finish(product(x, self.weights[0]) + self.biases[0])
 
     def finish(self, first: Array) -> Array:
         """Outputs from the first layer's sums `(..., sizes[1])`, for callers that compute those piecewise."""
         x = first
         for weight, bias in zip(self.weights[1:], self.biases[1:], strict=True):
-            x = np.maximum(x, 0.0) @ weight + bias
+            x = product(np.maximum(x, 0.0), weight) + bias
         return x
+
+
+def product(x: Array, weight: Array) -> Array:
+    """`x @ weight`, the same to the last bit on any number of threads.
+
+    Threads share a large product in ways that round differently, so it is made of small ones.
+    """
+    if x.ndim < 2:
+        return x @ weight
+    (height, deep, wide), (inputs, outputs) = _TILE, weight.shape
+    flat = x.reshape(-1, inputs)
+    tiles = np.zeros((-(-len(flat) // height), height, inputs), dtype=x.dtype)
+    tiles.reshape(-1, inputs)[: len(flat)] = flat
+    made = np.zeros((len(tiles), height, outputs), dtype=np.result_type(x, weight))
+    for j in range(0, outputs, wide):
+        for i in range(0, inputs, deep):
+            made[..., j : j + wide] += tiles[..., i : i + deep] @ weight[i : i + deep, j : j + wide]
+    return made.reshape(-1, outputs)[: len(flat)].reshape(*x.shape[:-1], outputs)

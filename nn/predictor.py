@@ -24,6 +24,7 @@ from .inputs import (
     turn_sixd,
     yaw_to_sixd,
 )
+from .network import product
 from .weights import Predictor, read_predictor
 from .windows import FACING, WindowLayout, mirror_inputs, stream, take_windows, window_inputs
 
@@ -112,7 +113,7 @@ def run_recurrent(
         :TRACKED
     ]
     weight = network.weights[0]
-    first = tracked.astype(np.float32) @ weight[:TRACKED] + network.biases[0]
+    first = product(tracked.astype(np.float32), weight[:TRACKED]) + network.biases[0]
     mean = scaler.mean[TRACKED:].astype(np.float32)
     deviation = scaler.deviation[TRACKED:].astype(np.float32)
     steps = np.diff(head, prepend=head[0])

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from ..core.bounds import INPUT_DEVIATION, INPUT_MEAN, JSON_BYTES, LAYERS, NETWORKS, WEIGHT, WIDTH
 from ..core.errors import FaultError, InputError
-from ..core.files import write_atomically
 from ..core.json_text import parse_json
 from ..core.npz import Npz, open_npz, write_npz
+from ..core.transaction import Transaction, write_atomically
 from .inputs import INPUTS, Scaler
 from .network import Network
 from .windows import WindowLayout
@@ -60,8 +60,10 @@ class Predictor:
         return sum(network.parameters for network in self.networks)
 
 
-def save_predictor(path: str | os.PathLike[str], predictor: Predictor) -> None:
-    """Write a predictor as `.npz`, whole or not at all; InputError where it cannot be written."""
+def save_predictor(
+    path: str | os.PathLike[str], predictor: Predictor, outputs: Transaction | None = None
+) -> None:
+    """Write a predictor as `.npz`, at once or in a transaction; InputError where it cannot be written."""
     arrays: dict[str, Any] = {"mean": predictor.scaler.mean, "deviation": predictor.scaler.deviation}
     for n, network in enumerate(predictor.networks):
         for layer, (weight, bias) in enumerate(zip(network.weights, network.biases, strict=True)):
@@ -81,7 +83,7 @@ def save_predictor(path: str | os.PathLike[str], predictor: Predictor) -> None:
         "provenance": dict(predictor.provenance),
     }
     text = np.frombuffer(json.dumps(header, sort_keys=True).encode(), dtype=np.uint8)
-    write_atomically(path, lambda file: write_npz(file, {"header": text, **arrays}, compressed=True))
+    write_atomically(path, lambda file: write_npz(file, {"header": text, **arrays}, compressed=True), outputs)
 
 
 def read_predictor(path: str | os.PathLike[str]) -> Predictor:

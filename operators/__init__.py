@@ -27,10 +27,13 @@ def register() -> None:
     for cls in CLASSES:
         bpy.utils.register_class(cls)
     bpy.utils.register_preset_path(SHIPPED_PRESETS)
+    bpy.app.handlers.load_pre.append(job_operator.end_before_load)
 
 
 def unregister() -> None:
-    """Take them away again."""
+    """Take them away again, and end the job that runs."""
+    job_operator.end()
+    bpy.app.handlers.load_pre.remove(job_operator.end_before_load)
     bpy.utils.unregister_preset_path(SHIPPED_PRESETS)
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

@@ -10,7 +10,7 @@ import bpy
 from ..bridge import armature
 from ..bridge.action import check_writable, scene_fps, write_action
 from ..bridge.ground import chosen_ground
-from ..bridge.lookup import find_object, find_scene, metres_per_unit
+from ..bridge.lookup import keep_object, keep_scene, metres_per_unit
 from ..bridge.objects import recording_from_objects
 from ..bridge.settings import read_settings, typed
 from ..core import pipeline
@@ -84,19 +84,20 @@ class FOOTWORK_OT_bake(JobOperator, bpy.types.Operator):
                 raise InputError(f"{rig.name}: it is not in this scene; pick another rig")
             for doubt in armature.rig_doubts(rig):
                 self.report({"WARNING"}, f"{rig.name}: {doubt}")
-        self._scene, self._rig = scene.name, None if rig is None else rig.name
+        self._scene, self._rig = keep_scene(scene), None if rig is None else keep_object(rig)
+        self.kept = (self._scene,) if self._rig is None else (self._scene, self._rig)
         self._name = footwork.action_name
         return _bake(read_source(scene))
 
     def finish(self, context: bpy.types.Context, result: Any) -> None:
-        scene = find_scene(self._scene)
+        scene = self._scene.find()
         footwork, unit = footwork_of(scene), metres_per_unit(scene)
         if self._rig is None:
             collection = context.collection if context.scene == scene else scene.collection
             rig = armature.create_armature(result.rig, "Avatar", collection, unit)
             footwork.rig = rig
         else:
-            rig = find_object(self._rig)
+            rig = self._rig.find()
         name = self._name or Path(result.report["inputs"][0]["name"]).stem or "Footwork"
         action = write_action(
             rig,

@@ -7,7 +7,7 @@ import bpy
 from bpy.props import CollectionProperty, IntProperty, StringProperty
 from bpy_extras.io_utils import ImportHelper
 
-from ..bridge.lookup import find_scene
+from ..bridge.lookup import keep_scene
 from ..bridge.settings import read_settings
 from ..core.database.build import build_database
 from ..core.database.clips import parse_exclusion
@@ -55,7 +55,8 @@ class FOOTWORK_OT_build_database(JobOperator, bpy.types.Operator):
 
     def start(self, context: bpy.types.Context) -> Job[Any]:
         footwork = footwork_of(context.scene)
-        self._scene = context.scene.name
+        self._scene = keep_scene(context.scene)
+        self.kept = (self._scene,)
         settings = read_settings(footwork.database_settings, DatabaseSettings)
         if settings.height_low >= settings.height_high:
             raise InputError("the height range is empty: From must be less than To")
@@ -75,7 +76,7 @@ class FOOTWORK_OT_build_database(JobOperator, bpy.types.Operator):
     def finish(self, context: bpy.types.Context, result: Any) -> None:
         database, doubts = result
         save_database(self._path, database)
-        _show(footwork_of(find_scene(self._scene)), self._path, database)
+        _show(footwork_of(self._scene.find()), self._path, database)
         for doubt in doubts:
             self.report({"WARNING"}, doubt)
         minutes = len(database) / database.fps / 60

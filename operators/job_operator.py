@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import bpy
+from bpy.app.handlers import persistent
 
+from ..bridge.lookup import Kept
 from ..core.jobs import Job, run
 from ..properties.upgrade import upgrade_all
 from .base import FootworkOperator
@@ -27,23 +31,52 @@ class Running:
     fraction: float = 0.0
     message: str = ""
     cancelled: bool = False
+    give_up: Callable[[], None] = lambda: None
+    """Closes the job and gives back what it has of Blender."""
 
 
 running: Running | None = None
 """The job in progress, if any; there is never more than one."""
 
 
+def end() -> None:
+    """End the job in progress, whatever becomes of its operator; nothing where none runs."""
+    global running
+    if running is None:
+        return
+    ended, running = running, None
+    ended.give_up()
+
+
+def _give_up(
+    job: Job[Any], manager: bpy.types.WindowManager, workspace: bpy.types.WorkSpace, timer: bpy.types.Timer
+) -> None:
+    job.close()
+    manager.event_timer_remove(timer)
+    manager.progress_end()
+    workspace.status_text_set(None)
+    _redraw(manager)
+
+
+@persistent
+def end_before_load(*_: object) -> None:
+    """For Blender's handlers: what a job was started for goes with the file."""
+    end()
+
+
 class JobOperator(FootworkOperator):
     """Mixin for operators over a core job.
 
     `start` reads everything from Blender into plain data and returns the job; `finish` writes its result. Between them
-    the user may undo, or delete what the job works for: a subclass keeps names, and looks them up again in `finish`.
+    the user may undo, or delete what the job works for: a subclass names that in `kept`, and looks it up in `finish`.
     Nothing is written before `finish`, so ESC leaves the file as it was.
     """
 
     title = "Working"
     works_elsewhere = False
     """The job only watches another process: one look per timer tick leaves Blender free."""
+    kept: tuple[Kept, ...] = ()
+    """Set by `start`: without these the job has nothing to work for."""
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -80,17 +113,23 @@ class JobOperator(FootworkOperator):
         global running
         upgrade_all()
         self._job = self.start(context)
-        running = Running(type(self).bl_idname, self.title)
+        manager = context.window_manager
+        timer = manager.event_timer_add(0.01, window=context.window)
+        give_up = partial(_give_up, self._job, manager, context.workspace, timer)
+        running = self._mine = Running(type(self).bl_idname, self.title, give_up=give_up)
         self._drawn = self._left = time.perf_counter()
-        self._timer = context.window_manager.event_timer_add(0.01, window=context.window)
-        context.window_manager.progress_begin(0, 100)
+        manager.progress_begin(0, 100)
         context.window_manager.modal_handler_add(self)
         _show(context)
         return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """One slice of the job."""
-        if running is None or running.cancelled or (event.type == "ESC" and event.value == "PRESS"):
+        if (
+            running is not self._mine
+            or self._mine.cancelled
+            or (event.type == "ESC" and event.value == "PRESS")
+        ):
             self.cancel(context)
             self.report({"INFO"}, f"{self.title}: cancelled, {self.after_cancel()}")
             return {"CANCELLED"}
@@ -103,26 +142,28 @@ class JobOperator(FootworkOperator):
             result = self._advance(context)
             if result is None:
                 return {"RUNNING_MODAL"}
-            self._stop(context)
+            end()
             self.finish(context, result[0])
         except BaseException:
-            self._stop(context)
+            end()
             raise
         return {"FINISHED"}
 
     def cancel(self, context: bpy.types.Context) -> None:
         """Give the job up; Blender calls this too when another file is loaded."""
-        self._job.close()
-        self._stop(context)
+        if running is self._mine:
+            end()
 
     def _advance(self, context: bpy.types.Context) -> tuple[Any] | None:
+        for kept in self.kept:
+            kept.find()
         start = time.perf_counter()
-        end = start + min(max(start - self._left, SLICE_S[0]), SLICE_S[1])
-        while time.perf_counter() < end:
+        stop = start + min(max(start - self._left, SLICE_S[0]), SLICE_S[1])
+        while time.perf_counter() < stop:
             try:
-                running.fraction, running.message = next(self._job)
-            except StopIteration as stop:
-                return (stop.value,)
+                self._mine.fraction, self._mine.message = next(self._job)
+            except StopIteration as done:
+                return (done.value,)
             if self.works_elsewhere:
                 break
         self._left = time.perf_counter()
@@ -130,16 +171,6 @@ class JobOperator(FootworkOperator):
             self._drawn = self._left
             _show(context)
         return None
-
-    def _stop(self, context: bpy.types.Context) -> None:
-        global running
-        if running is None:
-            return
-        running = None
-        context.window_manager.event_timer_remove(self._timer)
-        context.window_manager.progress_end()
-        context.workspace.status_text_set(None)
-        _redraw(context)
 
 
 class FOOTWORK_OT_cancel_job(FootworkOperator, bpy.types.Operator):
@@ -162,11 +193,11 @@ def _show(context: bpy.types.Context) -> None:
     percent = round(100 * running.fraction)
     context.window_manager.progress_update(percent)
     context.workspace.status_text_set(f"{running.title}: {percent} %  {running.message}  (ESC cancels)")
-    _redraw(context)
+    _redraw(context.window_manager)
 
 
-def _redraw(context: bpy.types.Context) -> None:
-    for window in context.window_manager.windows:
+def _redraw(manager: bpy.types.WindowManager) -> None:
+    for window in manager.windows:
         for area in window.screen.areas:
             if area.type == "VIEW_3D":
                 for region in area.regions:

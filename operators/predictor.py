@@ -6,7 +6,7 @@ from typing import Any
 import bpy
 from bpy.props import StringProperty
 
-from ..bridge.lookup import find_scene
+from ..bridge.lookup import keep_scene
 from ..bridge.settings import read_settings
 from ..core.errors import InputError
 from ..core.jobs import Job
@@ -43,7 +43,8 @@ class FOOTWORK_OT_train_predictor(JobOperator, bpy.types.Operator):
 
     def start(self, context: bpy.types.Context) -> Job[Any]:
         footwork = footwork_of(context.scene)
-        self._scene = context.scene.name
+        self._scene = keep_scene(context.scene)
+        self.kept = (self._scene,)
         self._path = predictor_path(footwork, self.filepath)
         settings = read_settings(footwork.train_settings, TrainSettings)
         if not self._path.parent.is_dir():
@@ -60,7 +61,7 @@ class FOOTWORK_OT_train_predictor(JobOperator, bpy.types.Operator):
         return JobOperator.after_cancel(self)
 
     def finish(self, context: bpy.types.Context, result: Any) -> None:
-        footwork = footwork_of(find_scene(self._scene))
+        footwork = footwork_of(self._scene.find())
         footwork.predictor, footwork.predictor_path = "FILE", paths.stored(str(self._path))
         footwork.trained = in_words(result)
         self.report({"INFO"}, f"{self._path.name} trained: {footwork.trained}")

@@ -9,7 +9,7 @@ from bpy_extras.io_utils import ImportHelper, poll_file_object_drop
 
 from ..bridge import preview
 from ..bridge.action import scene_fps
-from ..bridge.lookup import find_scene
+from ..bridge.lookup import keep_scene
 from ..core.database.contact_edits import ContactEdit
 from ..core.errors import InputError
 from ..core.jobs import Job
@@ -70,13 +70,14 @@ class FOOTWORK_OT_inspect_takes(JobOperator, bpy.types.Operator):
         return "" if footwork_of(context.scene).takes else "Add takes first"
 
     def start(self, context: bpy.types.Context) -> Job[Any]:
-        self._scene = context.scene.name
+        self._scene = keep_scene(context.scene)
+        self.kept = (self._scene,)
         takes = footwork_of(context.scene).takes
         return _inspect([bpy.path.abspath(t.path) for t in takes if self.which == "ALL" or t.state == "NEW"])
 
     def finish(self, context: bpy.types.Context, result: Any) -> None:
         faults = 0
-        for take in footwork_of(find_scene(self._scene)).takes:
+        for take in footwork_of(self._scene.find()).takes:
             if bpy.path.abspath(take.path) in result:
                 state, seconds, found, doubts = result[bpy.path.abspath(take.path)]
                 take.state, take.seconds, take.found, take.doubts = state, seconds, found, doubts

@@ -17,10 +17,9 @@ from pathlib import Path
 import bpy
 
 from ..core.errors import InputError
-from ..core.files import remove_parts
 from ..core.jobs import Job
+from ..core.staging import recover
 from ..nn.settings import TrainSettings
-from ..nn.train.checkpoint import checkpoint_path
 from ..properties.preferences import preferences_of
 
 PACKAGE_FOLDER = Path(__file__).parents[1]
@@ -138,7 +137,7 @@ def train(python: str, takes: Sequence[str], output: Path, settings: TrainSettin
     """
     with tempfile.TemporaryDirectory() as folder:
         log, report = Path(folder) / "log", Path(folder) / "report.json"
-        arguments = ["train-predictor", *takes, "-o", str(output), *flags_of(settings)]
+        arguments = ["train-predictor", "-o", str(output.absolute()), *flags_of(settings)]
         with log.open("wb") as sink:
             process = subprocess.Popen(
                 [
@@ -151,6 +150,8 @@ def train(python: str, takes: Sequence[str], output: Path, settings: TrainSettin
                     *arguments,
                     "--json",
                     str(report),
+                    "--",
+                    *takes,
                 ],
                 stdin=subprocess.DEVNULL,
                 stdout=sink,
@@ -170,8 +171,7 @@ def train(python: str, takes: Sequence[str], output: Path, settings: TrainSettin
             if process.poll() is None:
                 process.kill()
                 process.wait()
-                for path in (output, checkpoint_path(output)):
-                    remove_parts(path)
+                recover(output.parent)
         if process.returncode != 0:
             raise InputError(_fault(log) or f"training ended with code {process.returncode}; try again")
         return json.loads(report.read_text(encoding="utf-8"))

@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 from footwork.cli import main
 from footwork.cli.common import needing
+from footwork.cli.options import InputPath, OutputFolder, OutputPath
 from footwork.cli.parser import VERBS, VerbParser, make_parser
 from footwork.cli.verb import Verb
 from footwork.core import presets
@@ -94,10 +95,14 @@ def test_every_verb_and_every_argument_has_help(verb: Verb, capsys: pytest.Captu
 
 
 @pytest.mark.parametrize("verb", VERBS, ids=lambda verb: verb.name)
-def test_what_a_verb_reads_and_writes_are_arguments_of_it(verb: Verb) -> None:
-    names = {argument.dest for argument in arguments_of(verb)}
-    assert verb.reads and set(verb.reads) <= names
-    assert not verb.writes or "output" in names
+def test_every_file_of_a_verb_is_an_argument_that_says_so(verb: Verb) -> None:
+    files = {InputPath, OutputPath, OutputFolder}
+    kinds = {
+        argument.dest: type(argument.type("x")) if callable(argument.type) else None
+        for argument in arguments_of(verb)
+        if re.search(r"FILE|FOLDER|\.\w+|^TAKE$|^RECORDING$", str(argument.metavar))
+    }
+    assert "json" in kinds and set(kinds.values()) <= files and InputPath in kinds.values()
 
 
 def test_the_list_of_verbs_needs_nothing_heavy() -> None:

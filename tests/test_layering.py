@@ -14,7 +14,10 @@ import pytest
 ROOT = Path(__file__).parents[1]
 FOREIGN = {"bpy", "mathutils", "gpu", "bl_ui", "torch", "scipy", "matplotlib", "optuna", "pymotion"}
 
-BASE = {"bounds", "errors", "files", "jobs", "json_text", "methods", "npz", "presets", "settings"}
+BASE = {
+    *("bounds", "errors", "files", "jobs", "json_text", "methods", "npz", "presets", "settings", "staging"),
+    "transaction",
+}
 """Modules of core that every part of it may use; they use each other alone."""
 ARROWS: dict[str, set[str]] = {
     "core.maths": set(),

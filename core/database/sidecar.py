@@ -12,8 +12,9 @@ import numpy as np
 from .. import VERSION
 from ..body.skeleton import Skeleton
 from ..errors import FaultError, InputError
-from ..files import sha256_of, write_atomically
+from ..files import sha256_of
 from ..npz import Npz, open_npz, write_npz
+from ..transaction import Transaction, write_atomically
 from .motion_database import (
     FEATURE_GROUPS,
     HORIZONS_S,
@@ -36,15 +37,17 @@ _POSES = (
 )
 
 
-def save_database(path: str | os.PathLike[str], database: MotionDatabase) -> None:
-    """Write a database; the same database gives the same bytes.
+def save_database(
+    path: str | os.PathLike[str], database: MotionDatabase, outputs: Transaction | None = None
+) -> None:
+    """Write a database, at once or in a transaction; the same database gives the same bytes.
 
     Raises:
         InputError: the file cannot be written.
     """
     header = {"format": FORMAT, "schema": SCHEMA, "producer": f"footwork {VERSION}"}
     arrays = {name: np.asarray(value) for name, value in header.items()} | _to_arrays(database)
-    write_atomically(path, lambda file: write_npz(file, arrays))
+    write_atomically(path, lambda file: write_npz(file, arrays), outputs)
 
 
 def load_database(path: str | os.PathLike[str]) -> MotionDatabase:

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from ..bounds import BVH_NUMBER
 from ..errors import InputError
-from ..files import write_atomically
 from ..maths import quat
+from ..transaction import write_atomically
 from .bvh_header import Header, header_end, parse_header
 
 Array = NDArray[np.floating[Any]]

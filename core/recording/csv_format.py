@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from ..bounds import EYE_HEIGHT, FARTHEST
 from ..errors import InputError
-from ..files import write_atomically
 from ..maths import quat
+from ..transaction import Transaction, write_atomically
 from .mounts import DEVICE_MOUNTS
 from .raw import RawRecording, Track
 from .recording import TRACKERS, Array, Mounts, Recording
@@ -26,8 +26,10 @@ COLUMNS = ("time", *(f"{tracker}_{part}" for tracker in TRACKERS for part in _PA
 """Columns in the order in which they are written; any order is read."""
 
 
-def write_csv(path: str | os.PathLike[str], recording: Recording) -> None:
+def write_csv(path: str | os.PathLike[str], recording: Recording, outputs: Transaction | None = None) -> None:
     """Write a recording as CSV: times to a nanosecond, positions to a micrometre, rotations to 1e-8.
+
+    It is written at once, or as part of a transaction.
 
     Raises:
         InputError: the file cannot be written.
@@ -55,7 +57,7 @@ def write_csv(path: str | os.PathLike[str], recording: Recording) -> None:
         file.write(("\n".join(lines) + "\n").encode())
         np.savetxt(file, table, fmt=",".join(row))
 
-    write_atomically(path, write)
+    write_atomically(path, write, outputs)
 
 
 def read_csv(content: bytes, file: str) -> RawRecording:

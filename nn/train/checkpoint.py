@@ -20,10 +20,10 @@ from numpy.typing import NDArray
 
 from ...core.bounds import JSON_BYTES
 from ...core.errors import FaultError, InputError
-from ...core.files import write_atomically
 from ...core.json_text import parse_json
 from ...core.mocap.take import Take
 from ...core.npz import open_npz, write_npz
+from ...core.transaction import write_atomically
 from ..inputs import Scaler
 from ..network import Network
 from ..settings import TrainSettings
@@ -116,7 +116,8 @@ def write_checkpoint(path: str | os.PathLike[str], checkpoint: Checkpoint) -> No
         "sizes": checkpoint.network.sizes,
         "voters_done": len(progress.found),
         "started": checkpoint.start is not None,
-        "best_error": progress.best_error_deg,
+        # JSON has no infinity: None before the first measurement
+        "best_error": progress.best_error_deg if math.isfinite(progress.best_error_deg) else None,
         **{key: getattr(progress, key) for key in ("history", "step", "waited", "losses")},
     }
     text = np.frombuffer(json.dumps(header).encode(), dtype=np.uint8)
@@ -181,7 +182,7 @@ def _from_arrays(header: Any, arrays: State) -> Checkpoint:
         history=[{str(key): float(value) for key, value in entry.items()} for entry in header["history"]],
         step=int(header["step"]),
         best=_network(arrays, "best", sizes),
-        best_error_deg=float(header["best_error"]),
+        best_error_deg=math.inf if header["best_error"] is None else float(header["best_error"]),
         waited=int(header["waited"]),
         losses=[float(loss) for loss in header["losses"]],
     )

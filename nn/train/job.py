@@ -14,6 +14,7 @@ from ...core.errors import InputError
 from ...core.jobs import Job
 from ...core.mocap.take import Take
 from ...core.settings import check
+from ...core.transaction import Transaction, joined
 from ..settings import TrainSettings
 from ..weights import Predictor, save_predictor
 from .beginning import Beginning, find_beginning, restore_learner, save
@@ -36,6 +37,7 @@ def train_predictor(
     *,
     held_out: Sequence[Take] = (),
     licences: Mapping[str, str] | None = None,
+    outputs: Transaction | None = None,
 ) -> Job[dict[str, Any]]:
     """Train a predictor and write it to `output`.
 
@@ -50,6 +52,7 @@ def train_predictor(
             it had not stopped; where there is none, from the weights of `output` with a fresh optimiser.
         held_out: takes to measure the error on; by default some of `takes` are kept back.
         licences: licence of each take by name, for the provenance.
+        outputs: the transaction that `output` is part of; None to write it at once.
 
     Returns:
         A JSON-ready report: errors in degrees on the held-out takes, beside the headset's forward, and what
@@ -74,8 +77,10 @@ def train_predictor(
         "takes": [_origin(take, licences) for take in takes],
         "held_out": sorted({sample.take for sample in material.testing}),
     }
-    save_predictor(output, replace(made.predictor, name=output.stem, provenance=provenance))
-    remove_checkpoint(beginning.path)
+    with joined(outputs) as transaction:
+        made_here = replace(made.predictor, name=output.stem, provenance=provenance)
+        save_predictor(output, made_here, transaction)
+        transaction.afterwards(partial(remove_checkpoint, beginning.path))
     told = f"{made.error_deg:.1f} degrees on held-out takes, the headset's forward {headset_deg:.1f}"
     yield 1.0, f"{output.name}: {told}"
     return report

@@ -189,3 +189,70 @@ def test_a_job_that_watches_another_process_is_looked_at_once_a_tick(window, mon
         assert operator.modal(window, TIMER) == {"RUNNING_MODAL"}
         assert job_operator.running.fraction == number / operator.goal
     assert operator.modal(window, TIMER) == {"FINISHED"} and operator.result == operator.goal
+
+
+def test_nothing_runs_after_the_extension_is_disabled_or_another_file_loaded(window, monkeypatch) -> None:
+    for end in (job_operator.end, lambda: job_operator.end_before_load("other.blend", None)):
+        operator = Counting()
+        operator.invoke(window, None)
+        next(operator._job)
+        end()
+        assert operator.closed and operator.result is None
+        assert_left_clean(window)
+        # Blender may still tell the operator, which must not stop the next job
+        other = Counting()
+        other.invoke(window, None)
+        operator.cancel(window)
+        assert operator.modal(window, TIMER) == {"CANCELLED"} and not other.closed
+        slices(monkeypatch, 1.0)
+        assert drive(other, window) == {"FINISHED"} and other.result == 5
+        slices(monkeypatch, 0.0)
+
+
+def test_blender_ends_jobs_on_unregister_and_before_a_load(monkeypatch) -> None:
+    import bpy
+    from footwork import operators
+
+    assert job_operator.end_before_load in bpy.app.handlers.load_pre
+    ended = []
+    monkeypatch.setattr(job_operator, "end", lambda: ended.append(True))
+    operators.unregister()
+    assert ended == [True] and job_operator.end_before_load not in bpy.app.handlers.load_pre
+    operators.register()
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    assert ended == [True, True]
+
+
+@pytest.mark.parametrize("kind", ["object", "scene"])
+def test_a_job_ends_when_what_it_works_for_is_deleted(window, kind: str) -> None:
+    import bpy
+    from footwork.bridge.lookup import keep_object, keep_scene
+
+    scene = bpy.data.scenes.new("Stage")
+    obj = bpy.data.objects.new("Hero", None)
+    operator = Counting()
+    operator.kept = (keep_scene(scene), keep_object(obj))
+    operator.invoke(window, None)
+    next(operator._job)
+    scene.name, obj.name = "Other stage", "Other hero"
+    assert operator.modal(window, TIMER) == {"RUNNING_MODAL"}
+    if kind == "object":
+        bpy.data.objects.remove(obj)
+        bpy.data.objects.new("Hero", None)  # of the same name, but not the same
+    else:
+        bpy.data.scenes.remove(scene)
+    assert drive(operator, window) == {"CANCELLED"} and operator.closed and operator.result is None
+    name = "Hero" if kind == "object" else "Stage"
+    assert operator.reports == [
+        ("ERROR", f"{name}: the {kind} is gone since the job was started; start again")
+    ]
+    assert_left_clean(window)
+
+
+def test_file_operators_without_a_file_say_so() -> None:
+    import bpy
+
+    for name in ("add_takes", "import_take", "load_recording", "add_database"):
+        with pytest.raises(RuntimeError) as caught:
+            getattr(bpy.ops.footwork, name)()
+        assert str(caught.value).strip() == "Error: No file chosen", name

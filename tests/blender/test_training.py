@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import json
 import os
 import sys
 import time
@@ -134,6 +135,10 @@ def test_progress_is_told_and_the_result_used(footwork, preferences, stand_in, t
     said = (tmp_path / "mine.npz.arguments").read_text()
     assert '"--seed", "7"' in said and '"--kind", "causal"' in said
     assert "walk.bvh" in said and "turn.bvh" not in said
+    # a take's name is never taken for an option
+    words = json.loads(said)
+    assert all(word.endswith(".bvh") for word in words[words.index("--") + 1 :])
+    assert not any(word.endswith(".bvh") for word in words[: words.index("--")])
     told = list(training.train(stand_in(), ["a.bvh"], tmp_path / "x.npz", TrainSettings()))
     assert (0.9, "loss 0.2500, held out 6.50 degrees, best 6.50") in told
     assert (0.4, "loss 0.5000, held out 9.00 degrees, best 9.00") in told

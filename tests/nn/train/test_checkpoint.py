@@ -106,7 +106,8 @@ def test_cut_short_and_resumed_is_the_same_to_the_bit(tmp_path, takes, settings)
         assert not checkpoint_path(path).exists()
 
 
-def test_every_part_is_read_as_it_was_written(tmp_path) -> None:
+@pytest.mark.parametrize("best", [0.1 + 0.2, np.inf], ids=["measured", "not yet measured"])
+def test_every_part_is_read_as_it_was_written(tmp_path, best: float) -> None:
     rng = np.random.default_rng(0)
 
     def network() -> Network:
@@ -114,7 +115,7 @@ def test_every_part_is_read_as_it_was_written(tmp_path) -> None:
         return Network(tuple(weights[:2]), tuple(weights[2:]))
 
     history = [{"step": 3, "loss": 0.1, "held_out_deg": 1e-17}]
-    progress = Progress([network(), network()], history, 7, network(), 0.1 + 0.2, 2, [1 / 3])
+    progress = Progress([network(), network()], history, 7, network(), best, 2, [1 / 3])
     scaler, origin = Scaler(rng.normal(size=42), rng.uniform(1, 2, 42)), origin_of(WINDOW, [], [])
     origin["settings"]["voters"] = 3
     kept = Checkpoint(origin, progress, scaler, network(), network(), {"a": rng.random(3)})
