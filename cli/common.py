@@ -81,12 +81,15 @@ def doubt(text: str) -> None:
 
 def load_takes(paths: Sequence[str], fps: float | None = None) -> list[Any]:
     """Takes with their doubts told on standard error."""
+    from ..core.mocap.take import repeated
     from ..core.mocap.takes import load_take
 
     takes = each(paths, lambda path: load_take(path, fps))
     for take in takes:
         for line in take.doubts:
             doubt(f"{take.file}: doubtful: {line}")
+    for line in repeated(takes):
+        doubt(f"doubtful: {line}")
     return takes
 
 

@@ -16,6 +16,7 @@ from ..core.database.motion_database import MotionDatabase
 from ..core.database.sidecar import load_database, save_database
 from ..core.errors import InputError
 from ..core.jobs import Job, part
+from ..core.mocap.take import repeated
 from ..core.mocap.takes import load_take
 from ..core.settings import DatabaseSettings
 from ..properties.scene import FOOTWORK_PG_scene, footwork_of
@@ -100,6 +101,7 @@ def _build(files, settings, target, tags, exclude, contact_edits, skeleton):
         take = load_take(path, settings.fps)
         takes.append(take)
         doubts.extend(f"{take.name}: {doubt}" for doubt in take.doubts)
+    doubts.extend(repeated(takes))
     job = build_database(
         takes,
         settings,

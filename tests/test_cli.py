@@ -451,3 +451,12 @@ def test_a_cancelled_training_says_how_to_go_on(
     assert main([*command, "--keep-worse", "--resume"]) == 0
     assert "going on after step" in capsys.readouterr().err
     assert [path.name for path in tmp_path.iterdir()] == ["p.npz"]
+
+
+def test_a_take_given_twice_is_doubted(demo: Path, tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    again = tmp_path / "renamed.bvh"
+    again.write_bytes((demo / "walk.bvh").read_bytes())
+    takes = [str(demo / "walk.bvh"), str(demo / "turn.bvh"), str(again)]
+    assert main(["build-database", *takes, "-o", str(tmp_path / "twice.npz")]) == 0
+    lines = [line for line in capsys.readouterr().err.splitlines() if "counts twice" in line]
+    assert len(lines) == 1 and "renamed.bvh" in lines[0] and "walk.bvh" in lines[0]

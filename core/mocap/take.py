@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ..body.motion import Motion
@@ -21,3 +22,14 @@ class Take:
     """What the reader decided, for people: unit, up axis, preset, facing, floor ... in order of printing."""
     doubts: tuple[str, ...]
     """One line for each thing a person should look at."""
+
+
+def repeated(takes: Sequence[Take]) -> tuple[str, ...]:
+    """One line for each take whose file has the content of an earlier one: its motion would count twice."""
+    first: dict[str, Take] = {}
+    lines: list[str] = []
+    for take in takes:
+        known = first.setdefault(take.sha256, take)
+        if known is not take and take.sha256:
+            lines.append(f"{take.file}: the same content as {known.file}; it counts twice, give it once")
+    return tuple(lines)

@@ -73,3 +73,13 @@ def test_an_empty_range_is_refused_by_the_name_of_its_row(rows) -> None:
         bpy.ops.footwork.bake()
     rows.databases[2].use = False
     assert bpy.ops.footwork.bake() == {"FINISHED"}
+
+
+def test_a_take_given_twice_is_doubted_once(demo, tmp_path, empty, capsys) -> None:
+    again = tmp_path / "again.bvh"
+    again.write_bytes((demo / "walk.bvh").read_bytes())
+    helpers.add_takes(demo, "walk.bvh", "turn.bvh")
+    helpers.add_takes(tmp_path, "again.bvh")
+    assert bpy.ops.footwork.build_database(filepath=str(tmp_path / "twice.npz")) == {"FINISHED"}
+    told = capsys.readouterr()
+    assert (told.out + told.err).count("counts twice") == 1
