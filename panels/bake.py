@@ -7,10 +7,10 @@ from ..operators.presets import FOLDER
 from ..properties.scene import footwork_of
 from .parts import Part, job_button, settings_column
 
-MAIN_BAKE_SETTINGS = ("trajectory", "search", "alpha", "beta")
+MAIN_BAKE_SETTINGS = ("trajectory", "search", "feet", "alpha", "beta")
 CAUSAL_SETTINGS = ("beta", "smoothing")
 """Settings that only the causal trajectory uses."""
-FITTING_SETTINGS = ("scale_to_rig", "feet", "head", "arms")
+FITTING_SETTINGS = ("scale_to_rig", "head", "arms")
 
 
 class FOOTWORK_PT_bake_presets(PresetPanel, bpy.types.Panel):
