@@ -211,7 +211,7 @@ def change_npz(rng: random.Random, content: bytes) -> bytes:
 
 def change_array(rng: random.Random, array: np.ndarray) -> np.ndarray:
     """One array, in one way."""
-    out = array.copy()
+    out = np.array(array)
     way = rng.randrange(7)
     with np.errstate(all="ignore"):
         if way <= 2 and out.size:
@@ -227,7 +227,7 @@ def change_array(rng: random.Random, array: np.ndarray) -> np.ndarray:
             else:
                 out[at] = rng.choice(("", "x", "hips", "{}", "\x1b[2J\n"))
         elif way == 3 and out.dtype.kind in "fiu":
-            out = (out * rng.choice((0, -1, 2, 1000, 1.01))).astype(out.dtype)
+            out = np.asarray(out * rng.choice((0, -1, 2, 1000, 1.01))).astype(out.dtype)
         elif way == 4 and out.ndim:
             out = rng.choice(
                 (out[:-1], np.concatenate([out, out]), out[::-1].copy(), out[:0], out[None], out.T)
