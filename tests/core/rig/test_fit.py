@@ -28,6 +28,13 @@ def placed(rig: Rig, scale: float = 0.01, euler: tuple[float, float, float] = (9
     return replace(rig, rest=rest, tails=rig.tails @ back.T, world=world)
 
 
+def turned_axes(rig: Rig) -> Rig:
+    """Each bone with axes of its own, where importers leave them."""
+    rest = rig.rest.copy()
+    rest[:, :3, :3] = Rotation.random(len(rest), rng=np.random.default_rng(5)).as_matrix()
+    return replace(rig, rest=rest)
+
+
 def with_extra_bones(rig: Rig) -> Rig:
     """A root above the hips, a helper between upper arm and forearm, a finger."""
     root = np.eye(4)
@@ -84,7 +91,15 @@ def pose_matrices(rig: Rig, tracks: BoneTracks, frame: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize(
-    "make", [lambda r: r, placed, with_extra_bones, lambda r: placed(with_extra_bones(r))]
+    "make",
+    [
+        lambda r: r,
+        placed,
+        turned_axes,
+        with_extra_bones,
+        lambda r: placed(with_extra_bones(r)),
+        lambda r: placed(turned_axes(with_extra_bones(r))),
+    ],
 )
 def test_bones_end_where_the_motion_has_its_joints(make, random_pose) -> None:
     rig = make(rig_from_skeleton(SKELETON, "rig"))
@@ -200,3 +215,81 @@ def test_a_rig_that_cannot_be_used_is_told_in_one_line(rig: Rig, words: str) -> 
     assert (
         words in str(error.value) and str(error.value).startswith("Hero: ") and "\n" not in str(error.value)
     )
+
+
+TOWARDS = {
+    "head": [0, 0, 1],
+    "hand.L": [1, 0, 0],
+    "hand.R": [-1, 0, 0],
+    "toe.L": [0, -1, 0],
+    "toe.R": [0, -1, 0],
+}
+"""Where last bones point in an armature that faces -Y."""
+HALF_TURN = np.array([-1.0, -1.0, 1.0])
+"""A half turn about Z: from an armature that faces -Y to a skeleton that faces +Y."""
+
+
+def leaning(towards: np.ndarray, degrees: float, seed: int) -> np.ndarray:
+    """A unit vector at an angle to another one, on any side of it."""
+    side = np.cross(towards, np.random.default_rng(seed).normal(size=3))
+    side /= np.linalg.norm(side)
+    return np.cos(np.radians(degrees)) * towards + np.sin(np.radians(degrees)) * side
+
+
+@pytest.mark.parametrize("make", [lambda r: r, placed, lambda r: placed(turned_axes(r))])
+@pytest.mark.parametrize("degrees", [10.0, 55.0, 65.0, 120.0])
+def test_tips_are_tails_of_last_bones_that_point_where_such_bones_do(make, degrees: float) -> None:
+    rig = rig_from_skeleton(SKELETON, "rig")
+    tails, ways = rig.tails.copy(), {}
+    for k, (role, towards) in enumerate(TOWARDS.items()):
+        bone = rig.roles.index(role)
+        ways[role] = 0.07 * (1 + k) * leaning(np.array(towards, float), degrees, k)
+        tails[bone] = rig.rest[bone, :3, 3] + ways[role]
+    fit = fit_rig(make(replace(rig, tails=tails)))
+    for role, tip in zip(fit.skeleton.roles, fit.skeleton.tips, strict=True):
+        known = role in ways and degrees < 60.0
+        np.testing.assert_allclose(tip, ways[role] * HALF_TURN if known else np.zeros(3), atol=1e-6)
+
+
+def test_feet_without_toes_have_their_tails_as_tips(without) -> None:
+    rig = rig_from_skeleton(without(SKELETON, "toe"), "rig")
+    tails = rig.tails.copy()
+    left, right = (rig.roles.index(f"foot.{side}") for side in "LR")
+    tails[left] = rig.rest[left, :3, 3] + [0.03, -0.14, -0.08]
+    tails[right] = rig.rest[right, :3, 3] + [0.02, 0.14, -0.05]
+    skeleton = fit_rig(replace(rig, tails=tails)).skeleton
+    np.testing.assert_allclose(skeleton.tips[skeleton.joint("foot.L")], [-0.03, 0.14, -0.08], atol=1e-6)
+    np.testing.assert_array_equal(skeleton.tips[skeleton.joint("foot.R")], 0.0)
+
+
+def test_one_end_bone_tells_more_than_a_tail() -> None:
+    rig = rig_from_skeleton(SKELETON, "rig")
+    head = rig.roles.index("head")
+    end = rig.rest[head].copy()
+    end[:3, 3] += [0.01, -0.02, 0.21]
+    rig = Rig(
+        "rig",
+        (*rig.bones, "HeadEnd"),
+        np.append(rig.parents, head),
+        np.concatenate([rig.rest, end[None]]),
+        np.concatenate([rig.tails, end[None, :3, 3]]),
+        rig.world,
+        (*rig.roles, ""),
+    )
+    skeleton = fit_rig(replace(rig, tails=rig.tails + 0.3)).skeleton
+    np.testing.assert_allclose(skeleton.tips[skeleton.joint("head")], [-0.01, 0.02, 0.21], atol=1e-6)
+
+
+def test_bones_whose_end_nothing_tells_are_short_and_point_where_such_bones_do(without) -> None:
+    leg = sum(np.linalg.norm(SKELETON.offsets[SKELETON.joint(f"{part}.L")]) for part in ("shin", "foot"))
+    for skeleton in (SKELETON, without(SKELETON, "toe")):
+        rig = rig_from_skeleton(replace(skeleton, tips=np.zeros_like(skeleton.tips)), "rig")
+        along = rig.tails - rig.rest[:, :3, 3]
+        wanted = {"head": np.array([0.0, 0.0, 0.25 * leg])}
+        for side in "LR":
+            forearm = skeleton.offsets[skeleton.joint(f"hand.{side}")] * HALF_TURN
+            wanted[f"hand.{side}"] = 0.1 * leg * forearm / np.linalg.norm(forearm)
+            end = "toe" if f"toe.{side}" in skeleton.roles else "foot"
+            wanted[f"{end}.{side}"] = np.array([0.0, -0.1 * leg, 0.0])
+        for role, vector in wanted.items():
+            np.testing.assert_allclose(along[rig.roles.index(role)], vector, atol=1e-9, err_msg=role)

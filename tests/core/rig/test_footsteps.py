@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from footwork.core.rig.footsteps import plan_plants
+from footwork.core.rig.footsteps import _Contact, plan_plants
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -155,3 +155,70 @@ def test_plants_hold_what_they_may_and_steps_have_their_time(
                 assert arrive - leave >= 0.35 * fps - 1.0
     again = plan_plants(*arguments)
     assert all((a == b).all() for a, b in zip(found, again, strict=True))
+
+
+def cheapest(
+    path: np.ndarray, alone: np.ndarray, load: np.ndarray, fps: float, at_start: bool, at_end: bool
+) -> tuple[float, list[list[int]]]:
+    """The best of all plans, each written out and its costs added up."""
+    stride = max(1, round(0.05 * fps))
+    marks = [*range(0, len(path), stride), len(path)]
+    shortest, step = max(2, round(0.1 * fps)), round(0.35 * fps)
+    quickest = -(-step // stride)
+
+    def late(frames: int) -> float:
+        return (frames / (0.15 * fps)) ** 2
+
+    plants = {}
+    for i, first in enumerate(marks):
+        for j in range(i + 1, len(marks)):
+            held = path[first : marks[j]]
+            if marks[j] - first >= shortest and np.linalg.norm(np.ptp(held, axis=0)) / 2.0 <= UNLOCK:
+                away = (held - held.mean(axis=0))[:, :2]
+                plants[i, j] = np.sum(away**2) / UNLOCK**2 / fps
+
+    def onward(i: int, cost: float, plan: list[list[int]]) -> None:
+        nonlocal best
+        for j in range(i + 1, len(marks)):
+            if (i, j) not in plants:
+                continue
+            so_far, here = cost + plants[i, j], [*plan, [marks[i], marks[j]]]
+            end = late(len(path) - marks[j]) + 4.0 * (at_end and marks[j] < len(path))
+            best = min(best, (so_far + end, here))
+            for k in range(j + quickest, min(j + 2 * quickest + 1, len(marks))):
+                air = slice(marks[j], marks[k])
+                bad = 4.0 * alone[air].mean() + load[air].mean()
+                onward(k, so_far + 4.0 + late(marks[k] - marks[j] - step) + bad, here)
+
+    best: tuple[float, list[list[int]]] = (np.inf, [])
+    for i, first in enumerate(marks):
+        onward(i, late(first) + 4.0 * (at_start and i > 0), [])
+    return best
+
+
+@pytest.mark.parametrize(("fps", "most"), [(10.0, 26), (40.0, 60)])
+@pytest.mark.parametrize(("at_start", "at_end"), [(False, False), (True, False), (False, True), (True, True)])
+def test_no_plan_is_better(fps: float, most: int, at_start: bool, at_end: bool) -> None:
+    rng = np.random.default_rng(8)
+    counts = set()
+    for _ in range(25):
+        frames = int(rng.integers(most // 2, most))
+        time = np.arange(frames) / frames
+        # it drifts, and wanders; sometimes a jump near an end
+        path = time[:, None] * rng.normal(scale=0.4, size=3) * [1.0, 1.0, 0.1]
+        path += np.cumsum(rng.normal(scale=0.1 / fps, size=(frames, 3)), axis=0)
+        path[frames - int(rng.integers(0, 4)) :, :2] += rng.normal(scale=0.15, size=2)
+        path[: int(rng.integers(0, 4)), :2] += rng.normal(scale=0.15, size=2)
+        alone = np.repeat(rng.random(frames // 5 + 1) < 0.3, 5)[:frames]
+        load = rng.random(frames)
+        _, wanted = cheapest(path, alone, load, fps, at_start, at_end)
+        found = _Contact(path, alone, load, UNLOCK, fps).divide(at_start, at_end)
+        assert found.tolist() == wanted
+        counts.add(len(wanted))
+    assert {1, 2} <= counts
+
+
+def test_lateness_goes_with_the_square() -> None:
+    contact = _Contact(drift(60, 0.5), np.zeros(60, np.bool_), np.zeros(60), UNLOCK, FPS)
+    costs = contact._lateness(np.array([0, 9, 18, 27]))
+    np.testing.assert_allclose(costs, [0.0, 1.0, 4.0, 9.0])

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from footwork.core.body.edit import cut
+from footwork.core.body.legs import legs_of
 from footwork.core.body.motion import Motion
 from footwork.core.body.skeleton import SIDES
 from footwork.core.body.toes import toe_places, toe_positions
@@ -15,7 +16,7 @@ from footwork.core.maths import quat
 from footwork.core.mocap.demo import demo_motion
 from footwork.core.recording.simulate import simulate_recording
 from footwork.core.rig.avatar import AvatarResult, animate
-from footwork.core.rig.ground import Ground
+from footwork.core.rig.ground import Ground, _Foot, _Knots, _stands
 from footwork.core.settings import BakeSettings
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -174,3 +175,59 @@ def test_feet_that_are_not_locked_follow_the_ground(contacts: np.ndarray) -> Non
     toes, before = toe_positions(result.motion), toe_positions(flat.motion)
     over = toes[..., 2] - under(ground, toes) - before[..., 2]
     assert over.min() > -0.02 and over.max() < 0.15
+
+
+def knots(levels: tuple[float, float], frames: int) -> _Knots:
+    """A foot that leaves at the first frame and lands at the last."""
+    before = np.zeros(frames + 1, np.intp)
+    before[-1] = 1
+    passed = np.linspace(0.0, 1.0, frames + 1)
+    passed[-1] = 0.0
+    ends = np.array([0, frames])
+    return _Knots(ends, ends, np.array(levels), np.zeros((2, 3)), np.zeros((2, 2)), before, passed)
+
+
+@pytest.mark.parametrize("share", [1.0, 0.6, 0.3])
+def test_a_foot_goes_up_early_and_comes_down_late(share: float) -> None:
+    u = np.linspace(0.0, 1.0, 101)
+
+    def quintic(t: np.ndarray) -> np.ndarray:
+        t = np.clip(t, 0.0, 1.0)
+        return t**3 * (10.0 - 15.0 * t + 6.0 * t**2)
+
+    up, down = knots((0.1, 0.4), 100)._way(share), knots((0.4, 0.1), 100)._way(share)
+    np.testing.assert_allclose(up, 0.1 + 0.3 * quintic(u / share), atol=1e-12)
+    np.testing.assert_allclose(down, up[::-1], atol=1e-12)
+
+
+@pytest.mark.parametrize(("peak", "powers"), [(1 / 2, (3, 3)), (1 / 3, (3, 6)), (2 / 3, (6, 3))])
+def test_a_foot_over_one_obstacle_is_highest_there_and_just_clears_it(
+    peak: float, powers: tuple[int, int]
+) -> None:
+    needed = np.zeros(61)
+    needed[round(60 * peak)] = 0.2
+    found = knots((0.5, 0.5), 60).heights(0.5 + needed, 60.0)
+    u = np.arange(61) / 60
+    bump = u ** powers[0] * (1.0 - u) ** powers[1]
+    np.testing.assert_allclose(found, 0.5 + 0.2 * bump / bump.max(), atol=1e-12)
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.7, -2.0])
+@pytest.mark.parametrize("edge", [0.024, 0.045, 0.083, 0.117, 0.131, 0.5])
+def test_a_foot_is_moved_off_an_edge_the_least_way_that_helps(yaw: float, edge: float) -> None:
+    leg = legs_of(USER.skeleton)[0]
+    forward = np.array([-np.sin(yaw), np.cos(yaw)])
+    place = np.array([1.3, -0.4])
+
+    def ground(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        high = (points - place) @ forward > edge
+        return np.where(high, 0.2, 0.0), np.tile([0.0, 0.0, 1.0], (len(points), 1))
+
+    toes = np.tile([*place, leg.height], (20, 1))
+    foot = _Foot(toes, np.tile(quat.from_yaw(np.array(yaw)), (20, 1)), leg)
+    moved = _stands(foot, np.ones(20, np.bool_), ground, 60.0).moved
+    # back until 8 cm before the tip are off it, or on until the toe is on it, by whole centimetres
+    back = max(np.ceil((leg.to_tip[1] + 0.08 - edge) * 100.0 - 1e-9), 0.0)
+    on = np.floor(edge * 100.0 + 1e-9) + 1.0
+    centimetres = -back if back < on else on
+    np.testing.assert_allclose(moved, [0.01 * centimetres * forward], atol=1e-12)

@@ -9,7 +9,7 @@ import pytest
 from footwork.core.body.motion import Motion
 from footwork.core.body.retarget import retarget
 from footwork.core.mocap.demo import demo_skeleton
-from footwork.core.rig.head import place_head
+from footwork.core.rig.head import _Chain, _shaking, _stoop, place_head
 from scipy.spatial.transform import Rotation
 
 
@@ -189,3 +189,87 @@ def test_hips_under_a_steady_head_are_steady_whatever_the_spine_does(world) -> N
     assert np.linalg.norm(world(placed, "head")[0] - places, axis=-1).max() < 1e-9
     # the swing moves the head by 4 cm to either side
     assert np.ptp(placed.positions[60:-60, 1]) < 0.008
+
+
+def bent(degrees: float, frames: int = 1) -> Motion:
+    """Standing with the back bent forward in its lowest joint, the rest straight on."""
+    body = standing(frames)
+    body.rotations[:, body.skeleton.joint("spine1")] = wxyz(Rotation.from_euler("x", -degrees, degrees=True))
+    return body
+
+
+def pitch(rotations: np.ndarray) -> np.ndarray:
+    """Degrees forward of rotations that only pitch."""
+    return -np.degrees(2.0 * np.arctan2(rotations[..., 1], rotations[..., 0]))
+
+
+@pytest.mark.parametrize("share", [-0.5, 0.0, 0.2, 0.5, 0.79, 1.5])
+def test_a_back_is_drawn_up_by_the_share_of_what_that_raises_the_head(share: float) -> None:
+    body = bent(40.0)
+    # from the lowest joint of the back to the head: 0.55 m up, 0.02 m forward
+    angle = np.radians(40.0)
+    raised = 0.55 - (0.55 * np.cos(angle) - 0.02 * np.sin(angle))
+    chain = _Chain(body)
+    chain.straighten(np.array([share * raised]))
+    wanted = 40.0 * (1.0 - np.clip(share, 0.0, 0.8))
+    np.testing.assert_allclose(pitch(chain.rotations[0, 1:-1]), wanted, atol=1e-6)
+    np.testing.assert_allclose(pitch(chain.rotations[0, [0, -1]]), [0.0, 40.0], atol=1e-6)
+
+
+def test_a_head_that_jumps_up_draws_the_back_up_within_some_tenths_of_a_second(world) -> None:
+    body = bent(40.0, 240)
+    places, turns = world(body, "head")
+    places[120:, 2] += 0.1
+    placed, _ = place_head(body, places, turns, all_valid(body))
+    angle = pitch(world(placed, "spine1")[1])
+    assert angle[20] - angle[-20] > 15.0
+    assert np.abs(np.diff(angle)).max() < 0.15 * (angle[20] - angle[-20])
+
+
+def test_a_turn_is_shared_by_chest_neck_and_head(world, degrees_between) -> None:
+    body = standing(30)
+    places, _ = world(body, "head")
+    look = np.tile(wxyz(Rotation.from_euler("z", 70, degrees=True)), (30, 1))
+    placed, _ = place_head(body, places, look, all_valid(body))
+    shares = {"hips": 0.0, "spine1": 0.045, "spine2": 0.09, "spine3": 0.135, "chest": 0.18, "neck": 0.59}
+    for role, share in {**shares, "head": 1.0}.items():
+        # a head that lies before its neck bends the back by a trifle to stay
+        assert degrees_between(world(placed, role)[1], world(body, role)[1]) == pytest.approx(
+            70.0 * share, abs=0.5
+        )
+
+
+def test_half_of_a_stoop_is_in_the_hips_the_rest_along_the_back() -> None:
+    body = standing(1)
+    body.rotations[:, 0] = wxyz(Rotation.from_euler("z", 50, degrees=True))
+    chain = _Chain(body)
+    chain.stoop(np.radians([48.0]))
+    upright = Rotation.from_euler("z", 50, degrees=True)
+    turned = Rotation.from_quat(np.roll(chain.rotations[0], -1, axis=-1)) * upright.inv()
+    forward = upright.apply([0.0, 1.0, 0.0])
+    # by so much each leans to where the body faces: hips, four of the back, neck and head
+    for turn, degrees in zip(turned, [24.0, 30.0, 36.0, 42.0, 48.0, 0.0, 0.0], strict=True):
+        wanted = np.radians(degrees) * np.cross([0.0, 0.0, 1.0], forward)
+        np.testing.assert_allclose(turn.as_rotvec(), wanted, atol=1e-9)
+
+
+@pytest.mark.parametrize("drop", [0.04, 0.3, 0.6, 0.9, 1.0, 1.3])
+def test_a_stoop_follows_the_drop_and_what_room_hips_have(drop: float) -> None:
+    body = standing(40)
+    # hips at 0.95 m, the head 0.65 m above them; hips not below a quarter of a leg of 0.84 m
+    by_drop = 0.9 * max(drop - 0.05, 0.0)
+    left = (0.95 + 0.65 - drop - 0.21) / 0.65
+    wanted = min(max(by_drop, np.arccos(min(left, 1.0))), np.radians(100.0))
+    error = np.tile([0.0, 0.0, -drop], (40, 1))
+    np.testing.assert_allclose(_stoop(body, _Chain(body), error), wanted, atol=1e-9)
+
+
+@pytest.mark.parametrize("radius", [0.0005, 0.002, 0.01])
+def test_a_head_shakes_by_what_it_moves_quickly_beside_the_motion(radius: float) -> None:
+    time = np.arange(600) / 60.0
+    circle = radius * np.stack([np.sin(8.0 * np.pi * time), np.cos(8.0 * np.pi * time)], axis=-1)
+    # a Gaussian of 0.1 s leaves this share of 4 turns a second; a slow way aside is none of it
+    left = np.exp(-0.5 * (8.0 * np.pi * 0.1) ** 2)
+    square = (radius * (1.0 - left)) ** 2
+    found = _shaking(circle + 0.2 * time[:, None], 60.0)
+    np.testing.assert_allclose(found[120:-120], square / (square + 0.002**2), atol=0.01)

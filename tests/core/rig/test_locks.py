@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from footwork.core.rig.locks import Lock, clear, give_time, make_locks, offsets, tilt
+import pytest
+from footwork.core.rig.locks import Lock, _time, clear, give_time, make_locks, offsets, tilt
 
 FPS, HALFLIFE, UNLOCK = 60.0, 0.1, 0.2
 X = np.array([1.0, 0.0, 0.0])
@@ -143,3 +144,17 @@ def test_the_beginning_and_the_end_of_a_recording_may_be_in_the_air() -> None:
     for locks in ([], [Lock(10, 20, 0.1 * X)], [Lock(0, 29, X)], [Lock(0, 5, X), Lock(25, 29, X)]):
         assert np.isfinite(offsets(path, locks, HALFLIFE, FPS)).all()
         assert np.isfinite(clear(path[:, 2], locks, FPS)).all()
+
+
+@pytest.mark.parametrize("way", [0.9, 1.7, 3.0])
+def test_a_step_of_the_motion_has_time_to_be_bent_softly(way: float) -> None:
+    # the motion's own way is none of the change
+    path = np.zeros((60, 3))
+    path[40:] = [0.3, -0.2, 0.0]
+    change = way * np.array([0.6, -0.8, 0.0])
+    start = np.array([1.0, 2.0, 0.03])
+    time = _time(path, Lock(0, 20, start), Lock(40, 59, start + path[40] + change))
+    # 3 t^2 - 2 t^3 brakes as hard as it sets off
+    t = np.linspace(0.0, time, 20001)
+    place = way * (3.0 * (t / time) ** 2 - 2.0 * (t / time) ** 3)
+    assert np.abs(np.diff(place, 2)).max() / (t[1] ** 2) == pytest.approx(30.0, rel=1e-3)
