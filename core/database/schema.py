@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..body import hierarchy
-from ..body.skeleton import REQUIRED_ROLES, ROLES, SIDES
+from ..body.skeleton import ARM, LEG, REQUIRED_ROLES, ROLES, SIDES
 from ..bounds import (
     CLIPS,
     FARTHEST,
@@ -152,12 +153,13 @@ def _check_skeleton(arrays: Arrays) -> None:
     for role in REQUIRED_ROLES:
         if role not in roles:
             raise FaultError(f"has no joint with the role {role!r}")
-    for limb in (("upper_arm", "forearm", "hand"), ("thigh", "shin", "foot")):
+    for limb in (ARM, LEG):
         for side in SIDES:
-            upper, middle, end = (roles.index(f"{part}.{side}") for part in limb)
-            over = hierarchy.above(parents, middle), hierarchy.above(parents, end)
-            if upper not in over[0] or middle not in over[1]:
-                raise FaultError(f"{', '.join(limb)} ({side}) do not follow each other in 'joint_parents'")
+            # clavicles and toes may be missing
+            found = [part for part in limb if f"{part}.{side}" in roles]
+            joints = [roles.index(f"{part}.{side}") for part in found]
+            if any(a not in hierarchy.above(parents, b) for a, b in pairwise(joints)):
+                raise FaultError(f"{', '.join(found)} ({side}) do not follow each other in 'joint_parents'")
     legs = [roles.index(f"{part}.{side}") for part in ("shin", "foot") for side in SIDES]
     if (np.linalg.norm(offsets[legs], axis=-1) < 1e-3).any():
         raise FaultError("'joint_offsets' has legs without length")
