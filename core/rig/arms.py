@@ -88,7 +88,7 @@ def _reach(
     wanted: dict[int, Array] = {}
     shoulder = limb[:, 0]
     clavicle = skeleton.find(f"clavicle.{SIDES[side]}")
-    if clavicle >= 0:
+    if clavicle in places:
         turn = _clavicle_help(places[clavicle], shoulder, target, longest - _SLACK)
         wanted[clavicle] = quat.multiply(turn, turns[clavicle])
         shoulder = places[clavicle] + quat.rotate(turn, shoulder - places[clavicle])

@@ -184,3 +184,21 @@ def test_a_smooth_circle_moves_the_arm_smoothly(degrees_between) -> None:
 def test_short_motions(frames: int) -> None:
     done, _, _ = reach(FORWARD, pointing(FORWARD), frames)
     assert np.isfinite(done.rotations).all() and len(done) == frames
+
+
+def test_a_clavicle_that_does_not_carry_its_arm_is_left_alone(world) -> None:
+    motion = standing(30)
+    skeleton = motion.skeleton
+    arm, clavicle = skeleton.joint("upper_arm.L"), skeleton.joint("clavicle.L")
+    parents, offsets = skeleton.parents.copy(), skeleton.offsets.copy()
+    parents[arm] = parents[clavicle]
+    offsets[arm] += offsets[clavicle]
+    loose = replace(motion, skeleton=replace(skeleton, parents=parents, offsets=offsets))
+    targets = np.tile(SHOULDERS + OUT * np.array([0.1, 0.3, 0.0]), (30, 1, 1))
+    done, missed = reach_hands(
+        loose, targets, np.tile(pointing(FORWARD), (30, 1, 1)), np.ones((30, 2), np.bool_)
+    )
+    assert not missed.any()
+    for side, name in enumerate(SIDES):
+        np.testing.assert_allclose(world(done, f"hand.{name}")[0], targets[:, side], atol=1e-6)
+    np.testing.assert_array_equal(done.rotations[:, clavicle], motion.rotations[:, clavicle])
