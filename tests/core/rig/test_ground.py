@@ -111,7 +111,7 @@ def test_head_and_hands_rise_with_the_body_alone(x: float, y: float) -> None:
         hand = USER.skeleton.joint(f"hand.{side}")
         reached = ~(result.unreachable | FLAT.unreachable)[:, i]
         raised = result.motion.forward()[0][reached, hand] - FLAT.motion.forward()[0][reached, hand]
-        assert np.abs(raised - up[reached]).max() < 2e-3
+        assert reached.mean() > 0.9 and np.abs(raised - up[reached]).max() < 1e-9
     head = result.motion.forward()[0][:, USER.skeleton.joint("head")]
     assert np.abs(head - FLAT.motion.forward()[0][:, USER.skeleton.joint("head")] - up).max() < 1e-9
     feet = under(ground, toe_positions(result.motion))
