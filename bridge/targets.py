@@ -22,6 +22,9 @@ from .exports import Baked, kind_of
 from .ground import chosen_ground
 from .load import append, armature_of, check_ground, open_rig, split_rig
 
+_WITH_FILES = ("libraries", "images", "sounds", "movieclips", "fonts", "cache_files", "volumes", "texts")
+"""Collections of `bpy.data` whose data-blocks have a `filepath`."""
+
 
 @dataclass(slots=True)
 class Target:
@@ -88,7 +91,8 @@ class Target:
         assert self.motion is not None
         baked = Baked(bpy.data.objects[self.object_name], self.motion, self.fps)
         writers = [(path, partial(kind_of(path).write, baked)) for path in exports]
-        for path, write in [*writers, (output, _save_copy)]:
+        folder = Path(output).resolve().parent
+        for path, write in [*writers, (output, partial(_save_copy, folder=folder))]:
             with outputs.staging(path) as new, writing(path):
                 write(new)
 
@@ -122,5 +126,17 @@ def _set_rate(fps: float) -> None:
     render.fps_base = render.fps / fps
 
 
-def _save_copy(path: Path) -> None:
-    bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True, check_existing=False)
+def _save_copy(path: Path, folder: Path) -> None:
+    """Write the scene to `path`, with relative paths that hold from `folder`, where the file will lie."""
+    for blocks in (getattr(bpy.data, name) for name in _WITH_FILES):
+        for block in blocks:
+            # the files of linked data-blocks are found from their own library
+            if block.library is None and getattr(block, "parent", None) is None:
+                name = "filepath_raw" if hasattr(block, "filepath_raw") else "filepath"
+                if getattr(block, name).startswith("//"):
+                    setattr(
+                        block,
+                        name,
+                        bpy.path.relpath(bpy.path.abspath(getattr(block, name)), start=str(folder)),
+                    )
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True, check_existing=False, relative_remap=False)
