@@ -13,7 +13,7 @@ from ..core.files import sha256_of
 from ..core.settings import BakeSettings
 from ..core.transaction import Transaction
 from .common import choose_predictor, load_databases, needing, run, say
-from .options import InputPath, OutputPath, add_database, add_settings, read_settings
+from .options import InputPath, OutputPath, add_database, add_output, add_settings, read_settings
 from .verb import Report, Verb
 
 NO_BPY = "bake writes Blender files: run it in Blender, or install the Python module bpy"
@@ -37,14 +37,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FILE.blend[:NAME]",
         help="what the feet stand on: an object or collection of a .blend, or all of it; comes into the output, too",
     )
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=OutputPath.to(".blend"),
-        required=True,
-        metavar="OUT.blend",
-        help="the file to write",
-    )
+    add_output(parser, "OUT.blend", "the file to write")
     parser.add_argument(
         "--export",
         type=OutputPath,

@@ -10,20 +10,13 @@ from ..core.errors import InputError
 from ..core.settings import DatabaseSettings
 from ..core.transaction import Transaction
 from .common import load_takes, run, say
-from .options import InputPath, OutputPath, add_settings, read_settings
+from .options import InputPath, add_output, add_settings, read_settings
 from .verb import Report, Verb
 
 
 def _add_build(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("takes", type=InputPath, nargs="+", metavar="TAKE", help="BVH takes")
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=OutputPath.to(".npz"),
-        required=True,
-        metavar="DB.npz",
-        help="the database to write",
-    )
+    add_output(parser, "DB.npz", "the database to write")
     parser.add_argument(
         "--height-range",
         nargs=2,

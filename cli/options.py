@@ -84,6 +84,12 @@ def add_database(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_output(parser: argparse.ArgumentParser, metavar: str, help: str) -> None:
+    """The option for the one file that a verb must write; the end of `metavar` is its kind."""
+    kind = OutputPath.to(Path(metavar).suffix)
+    parser.add_argument("-o", "--output", type=kind, required=True, metavar=metavar, help=help)
+
+
 def add_settings(parser: argparse.ArgumentParser, settings: type, skip: Sequence[str] = ()) -> None:
     """One flag for each field of a settings dataclass, under its field name."""
     for item in fields(settings):

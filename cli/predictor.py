@@ -9,7 +9,7 @@ from pathlib import Path
 from ..core.transaction import Transaction
 from ..nn.settings import TrainSettings
 from .common import drawing, each, load_takes, run, say
-from .options import InputPath, OutputPath, add_settings, read_settings
+from .options import InputPath, OutputPath, add_output, add_settings, read_settings
 from .verb import Report, Verb
 
 LOST = {"none": (), "left": ("left",), "right": ("right",), "both": ("left", "right")}
@@ -18,14 +18,7 @@ LOST = {"none": (), "left": ("left",), "right": ("right",), "both": ("left", "ri
 
 def _add_train(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("takes", type=InputPath, nargs="+", metavar="TAKE", help="BVH takes")
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=OutputPath.to(".npz"),
-        required=True,
-        metavar="P.npz",
-        help="the weights to write",
-    )
+    add_output(parser, "P.npz", "the weights to write")
     add_settings(parser, TrainSettings)
 
 

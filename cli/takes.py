@@ -7,7 +7,7 @@ import sys
 
 from ..core.transaction import Transaction
 from .common import each, load_takes, say
-from .options import InputPath, OutputPath
+from .options import InputPath, add_output
 from .verb import Report, Verb
 
 
@@ -40,14 +40,7 @@ def _inspect(options: argparse.Namespace, outputs: Transaction) -> Report:
 
 def _add_simulate(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("take", type=InputPath, metavar="TAKE", help="a BVH take")
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=OutputPath.to(".csv"),
-        required=True,
-        metavar="R.csv",
-        help="the recording to write",
-    )
+    add_output(parser, "R.csv", "the recording to write")
 
 
 def _simulate(options: argparse.Namespace, outputs: Transaction) -> Report:
