@@ -126,7 +126,7 @@ def _more_inputs(
     predictor: str | None, rig: str | Path | None, ground: str | Path | None
 ) -> list[dict[str, str]]:
     """The files that a bake read besides what core knows of, for the report."""
-    from ..core.recording.orientation import HEADSET
+    from ..core.recording.body_estimate import HEADSET
 
     read = {"predictor": None if predictor == HEADSET else predictor, "rig": rig, "ground": ground}
     return [

@@ -113,7 +113,7 @@ def load_databases(paths: Sequence[str]) -> list[Any]:
 
 def choose_predictor(name: str | None) -> Callable[[Any], Any]:
     """The function from recording to body orientation that `--predictor` names; what ships by default."""
-    from ..core.recording.orientation import HEADSET
+    from ..core.recording.body_estimate import HEADSET
     from ..nn.predictor import headset_forward, load_predictor, predict, shipped_predictor
 
     if name == HEADSET:

@@ -105,7 +105,7 @@ def _run(options: argparse.Namespace, outputs: Transaction) -> Report:
     from ..core.evaluation.experiments import EXPERIMENTS
     from ..core.evaluation.limits import failures, parse_limit
     from ..core.pipeline import report_in_words
-    from ..core.recording.orientation import HEADSET
+    from ..core.recording.body_estimate import HEADSET
 
     settings = read_settings(options, BakeSettings)
     limits = each(options.fail_if, parse_limit)

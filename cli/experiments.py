@@ -54,7 +54,7 @@ def compared_predictors(
     options: argparse.Namespace, outputs: Transaction
 ) -> tuple[dict[str, Any], dict[str, frozenset[str]]]:
     """The predictors of the experiment orientation by label, and the takes that each was trained on."""
-    from ..core.recording.orientation import HEADSET
+    from ..core.recording.body_estimate import HEADSET
     from ..nn.predictor import headset_forward, load_predictor, predict, shipped_predictors
 
     given = [path for path in options.predictor if path != HEADSET]

@@ -14,7 +14,7 @@ from matplotlib import pyplot
 from matplotlib.figure import Figure
 
 from ..core.evaluation.study import Plot
-from ..core.recording.orientation import HEADSET
+from ..core.recording.body_estimate import HEADSET
 from ..nn.evaluate import HEURISTIC
 
 COLOURS = ("#1b6ca8", "#d1495b", "#3a9d5d", "#e3a008", "#7a5195", "#555555")

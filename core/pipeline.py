@@ -22,7 +22,7 @@ from .matching.trajectory import make_trajectory
 from .measure.catalogue import METRICS, Values, measure, summarise
 from .measure.series import series
 from .measure.subject import Yardstick, body_of
-from .recording.orientation import Orientation, orientation_doubts
+from .recording.body_estimate import BodyEstimate, estimate_doubts
 from .recording.recording import Recording
 from .recording.resample import resample
 from .recording.targets import joint_targets, raised, scale
@@ -62,7 +62,7 @@ class BakeResult:
 def bake(
     recording: Recording,
     databases: Sequence[MotionDatabase],
-    predict: Callable[[Recording], Orientation],
+    predict: Callable[[Recording], BodyEstimate],
     rig: Rig | None,
     settings: BakeSettings,
     *,
@@ -75,7 +75,7 @@ def bake(
     Args:
         recording: the three trackers, at any rate.
         databases: one or more motion databases; the first gives the skeleton and the rate.
-        predict: body orientation of a recording at the databases' rate.
+        predict: the body estimate of a recording at the databases' rate.
         rig: the rig to animate; None makes one from the first database's skeleton.
         settings: every control.
         output_fps: rate of the bone tracks; the databases' rate by default.
@@ -96,16 +96,14 @@ def bake(
     recording = resample(recording, fps)
 
     yield 0.02, "Predicting body orientation"
-    orientation = predict(recording)
-    check_finite(orientation.yaws, "the predictor of the body's direction")
+    estimate = predict(recording)
+    check_finite(estimate.yaws, "the predictor of the body's direction")
     clock.lap("orientation")
 
     scales = _scales(recording, databases, fit.skeleton, settings)
     # alpha is metres on the rig: the search works on the database's own body size
     sized = replace(settings, alpha=settings.alpha * scales.database / scales.rig)
-    playback = yield from part(
-        _match(recording, orientation.yaws, databases, sized, scales.database), 0.05, 0.6
-    )
+    playback = yield from part(_match(recording, estimate.yaws, databases, sized, scales.database), 0.05, 0.6)
     clock.lap("search")
 
     yield 0.6, "Blending poses"
@@ -129,7 +127,7 @@ def bake(
     clock.lap("keys")
 
     yield 0.95, "Measuring"
-    doubts = recording.doubts + orientation_doubts(orientation, fps) + _ground_doubts(avatar.footing, fps)
+    doubts = recording.doubts + estimate_doubts(estimate, fps) + _ground_doubts(avatar.footing, fps)
     yardstick = Yardstick(
         contacts,
         trackers if avatar.footing is None else raised(trackers, avatar.footing.lift),
@@ -139,7 +137,7 @@ def bake(
         scale=scales.rig / scales.database,
         truth=None if truth is None else scale_motion(truth, scales.rig),
         ground=ground,
-        doubt=orientation.doubt,
+        doubt=estimate.doubt,
     )
     values = measure(yardstick, body_of(avatar.motion))
     clock.lap("measures")

@@ -12,7 +12,7 @@ from ..core.database.virtual_root import virtual_root
 from ..core.maths import angles
 from ..core.measure.measures import yaw_errors
 from ..core.mocap.take import Take
-from ..core.recording.orientation import HEADSET, Orientation
+from ..core.recording.body_estimate import HEADSET, BodyEstimate
 from ..core.recording.recording import Recording
 from ..core.recording.simulate import lose_trackers, simulate_recording
 from ..core.recording.targets import joint_targets
@@ -29,7 +29,7 @@ POOL_RATE = 30.0
 """Errors of a second that count where takes are pooled, whatever their frame rate."""
 
 
-def hands_and_head(recording: Recording) -> Orientation:
+def hands_and_head(recording: Recording) -> BodyEstimate:
     """A guess without training: half the headset's forward, half square to the line
     of the hands.
 
@@ -43,7 +43,7 @@ def hands_and_head(recording: Recording) -> Orientation:
         np.linalg.norm(line, axis=-1, keepdims=True), 0.4
     )
     agrees = np.sum(ahead * head, axis=-1, keepdims=True) > 0.0
-    return Orientation(np.unwrap(angles.yaw_of(head + np.where(agrees, ahead, 0.0))), None)
+    return BodyEstimate(np.unwrap(angles.yaw_of(head + np.where(agrees, ahead, 0.0))))
 
 
 def summary_deg(errors: Array, fps: float) -> dict[str, Any]:
@@ -78,7 +78,7 @@ def evaluate_predictors(
         degrees, ready for JSON. Under `predictors` the takes follow one another; `percentiles` are the 0th to
         the 100th; `doubt` is the mean deviation that the predictor itself expects, None where it has no notion of it.
     """
-    ways: dict[str, Callable[[Recording], Orientation]] = {
+    ways: dict[str, Callable[[Recording], BodyEstimate]] = {
         HEADSET: headset_forward,
         HEURISTIC: hands_and_head,
     }

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..core.errors import InputError
 from ..core.maths import angles, filters
-from ..core.recording.orientation import Orientation
+from ..core.recording.body_estimate import BodyEstimate
 from ..core.recording.recording import Recording
 from ..core.recording.resample import resample
 from ..core.recording.targets import joint_targets
@@ -53,10 +53,10 @@ def shipped_predictors() -> dict[str, Predictor]:
     return {path.stem: read_predictor(path) for path in sorted(_FOLDER.glob("*.npz"))}
 
 
-def headset_forward(recording: Recording) -> Orientation:
+def headset_forward(recording: Recording) -> BodyEstimate:
     """The yaw of the headset's forward projected on the ground, which knows of no doubt."""
     _, rotations = joint_targets(recording)
-    return Orientation(np.unwrap(headings(rotations)), None)
+    return BodyEstimate(np.unwrap(headings(rotations)))
 
 
 def head_height(recording: Recording) -> float:
@@ -64,7 +64,7 @@ def head_height(recording: Recording) -> float:
     return recording.eye_height - float(recording.mounts.offsets[0, 2])
 
 
-def predict(predictor: Predictor, recording: Recording) -> Orientation:
+def predict(predictor: Predictor, recording: Recording) -> BodyEstimate:
     """The body's yaw at the frames of an evenly spaced recording, and the predictor's own doubt.
 
     Raises:
@@ -76,7 +76,7 @@ def predict(predictor: Predictor, recording: Recording) -> Orientation:
     return found
 
 
-def _predict(predictor: Predictor, recording: Recording) -> Orientation:
+def _predict(predictor: Predictor, recording: Recording) -> BodyEstimate:
     if predictor.layout is None:
         return _predict_recurrent(predictor, recording)
     positions, rotations = joint_targets(recording)
@@ -84,13 +84,13 @@ def _predict(predictor: Predictor, recording: Recording) -> Orientation:
     return run_windows(predictor, predictor.layout, rows, recording.fps)
 
 
-def _predict_recurrent(predictor: Predictor, recording: Recording) -> Orientation:
+def _predict_recurrent(predictor: Predictor, recording: Recording) -> BodyEstimate:
     even = resample(recording, RATE)
     positions, rotations = joint_targets(even)
     yaws = np.interp(recording.times, even.times, run_recurrent(predictor, positions, rotations))
     # this network has no notion of its certainty: its error on held-out takes stands for it
     expected = float(predictor.provenance.get("held_out_error_deg", 15.0))
-    return Orientation(yaws, np.full(len(yaws), np.radians(expected)))
+    return BodyEstimate(yaws, np.full(len(yaws), np.radians(expected)))
 
 
 def run_recurrent(
@@ -129,7 +129,7 @@ def run_recurrent(
 
 def run_windows(
     predictor: Predictor, layout: WindowLayout, rows: NDArray[np.float32], fps: float
-) -> Orientation:
+) -> BodyEstimate:
     """A window network's answers for every frame of a stream `(T, 31)` (see `windows.stream`).
 
     Each answer is a vector: its direction the yaw, its length, at most about 1, the certainty. Networks vote
@@ -155,7 +155,7 @@ def run_windows(
         vectors = filters.gaussian(vectors, predictor.smoothing * fps)
     certainty = np.clip(np.linalg.norm(vectors, axis=-1), 0.05, 0.999)
     # deviation of a wrapped normal distribution whose mean vector has this length
-    return Orientation(np.unwrap(angles.yaw_of(vectors)), np.sqrt(-2.0 * np.log(certainty)))
+    return BodyEstimate(np.unwrap(angles.yaw_of(vectors)), np.sqrt(-2.0 * np.log(certainty)))
 
 
 def answer_windows(

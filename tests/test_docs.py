@@ -24,8 +24,8 @@ from footwork.core.mocap.demo import demo_motion
 from footwork.core.mocap.families import families, read_family
 from footwork.core.mocap.take import Take
 from footwork.core.pipeline import bake
+from footwork.core.recording.body_estimate import BodyEstimate
 from footwork.core.recording.layouts import layouts, read_layout
-from footwork.core.recording.orientation import Orientation
 from footwork.core.recording.simulate import simulate_recording
 from footwork.core.rig import feet
 from footwork.core.settings import BakeSettings, DatabaseSettings, check
@@ -99,14 +99,14 @@ def test_the_examples_of_a_search_a_foot_plan_and_a_metric(monkeypatch: pytest.M
     user = simulate_recording(cut(demo_motion("visit", 5), 60, 300), "user")
     settings = BakeSettings(search="first", feet="floating", head=False)
     check(settings)
-    result = run(bake(user, databases, lambda _: Orientation(np.zeros(len(user)), None), None, settings))
+    result = run(bake(user, databases, lambda _: BodyEstimate(np.zeros(len(user)), None), None, settings))
     assert result.playback.frame[:119].tolist() == [*range(60), *range(59)]
     assert 40.0 < result.report["metrics"]["head_above_hips_cm"]["mean"] < 80.0
     grounded = run(
         bake(
             user,
             databases,
-            lambda _: Orientation(np.zeros(len(user)), None),
+            lambda _: BodyEstimate(np.zeros(len(user)), None),
             None,
             BakeSettings(search="first"),
         )

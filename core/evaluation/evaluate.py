@@ -19,14 +19,14 @@ from ..measure.series import series
 from ..measure.subject import Body, body_of
 from ..mocap.take import Take
 from ..pipeline import BakeResult, bake
-from ..recording.orientation import Orientation
+from ..recording.body_estimate import BodyEstimate
 from ..recording.recording import Recording
 from ..recording.simulate import simulate_recording
 from ..rig.fit import rig_from_skeleton
 from ..settings import BakeSettings
 
 Array = NDArray[np.floating[Any]]
-Predict = Callable[[Recording], Orientation]
+Predict = Callable[[Recording], BodyEstimate]
 Show = Callable[[BakeResult], tuple[Array, Array]]
 """World positions `(T, J, 3)` in metres and rotations since T-pose `(T, J, 4)` of the rig's joints, as keyed on an
 armature and evaluated by Blender."""
@@ -100,7 +100,7 @@ def evaluate_take(
 ) -> Job[Evaluated]:
     """One take as the user; arguments as for `evaluate_takes`."""
     recording = simulate_recording(take.motion, take.name)
-    true = Orientation(virtual_root(take.motion, 0.0)[1], None)
+    true = BodyEstimate(virtual_root(take.motion, 0.0)[1])
     rig = rig_from_skeleton(take.motion.skeleton, take.name)
     # the avatar is the user: what is compared with the truth must not be scaled
     settings = replace(settings, scale_to_rig=False)

@@ -14,7 +14,7 @@ from ..database.virtual_root import virtual_root
 from ..errors import InputError
 from ..jobs import Job
 from ..measure.measures import counted, summary, yaw_errors
-from ..recording.orientation import HEADSET
+from ..recording.body_estimate import HEADSET
 from ..recording.simulate import simulate_recording
 from ..settings import BakeSettings
 from .study import (

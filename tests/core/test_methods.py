@@ -21,7 +21,7 @@ from footwork.core.methods import FOOT_PLANS, SEARCHES, Method, Methods
 from footwork.core.mocap.demo import demo_motion
 from footwork.core.mocap.take import Take
 from footwork.core.pipeline import bake
-from footwork.core.recording.orientation import Orientation
+from footwork.core.recording.body_estimate import BodyEstimate
 from footwork.core.recording.recording import Recording
 from footwork.core.recording.simulate import simulate_recording
 from footwork.core.rig.feet import FootPlan, plant_feet
@@ -50,8 +50,8 @@ def toy() -> Iterator[Callable[[Methods, Method], None]]:
         methods.remove(name)
 
 
-def facing_north(recording: Recording) -> Orientation:
-    return Orientation(np.zeros(len(recording)), None)
+def facing_north(recording: Recording) -> BodyEstimate:
+    return BodyEstimate(np.zeros(len(recording)), None)
 
 
 @pytest.mark.parametrize("methods", [SEARCHES, FOOT_PLANS])

@@ -23,8 +23,8 @@ from footwork.core.maths import quat
 from footwork.core.mocap.demo import demo_motion
 from footwork.core.mocap.take import Take
 from footwork.core.pipeline import BakeResult, bake, scale_motion
+from footwork.core.recording.body_estimate import BodyEstimate
 from footwork.core.recording.mounts import DEVICE_MOUNTS
-from footwork.core.recording.orientation import Orientation
 from footwork.core.recording.recording import Recording
 from footwork.core.recording.simulate import simulate_recording
 from footwork.core.rig.fit import fit_rig, rig_from_skeleton
@@ -109,7 +109,7 @@ def baked(
         bake(
             recording or record(user),
             databases,
-            lambda _: Orientation(yaws, None),
+            lambda _: BodyEstimate(yaws, None),
             None if body is None else rig_from_skeleton(body, "rig"),
             settings,
             **options,
@@ -385,7 +385,7 @@ def test_keys_of_a_rig_in_other_units_show_the_body_at_the_trackers(
     job = bake(
         record(user),
         [walking, crouching],
-        lambda _: Orientation(yaws, None),
+        lambda _: BodyEstimate(yaws, None),
         rig,
         SETTINGS,
         output_fps=24.0,

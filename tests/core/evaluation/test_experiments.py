@@ -16,7 +16,7 @@ from footwork.core.evaluation.study import Experiment, Study, averaging, in_orde
 from footwork.core.evaluation.words import experiment_in_words
 from footwork.core.mocap.demo import demo_motion
 from footwork.core.mocap.take import Take
-from footwork.core.recording.orientation import Orientation
+from footwork.core.recording.body_estimate import BodyEstimate
 from footwork.core.settings import BakeSettings, DatabaseSettings
 
 
@@ -87,7 +87,7 @@ def test_orientation(study: Study) -> None:
         return virtual_root(study.takes[0].motion)[1]
 
     def off(degrees: float):
-        return lambda recording: Orientation(truth(recording) + np.radians(degrees), None)
+        return lambda recording: BodyEstimate(truth(recording) + np.radians(degrees), None)
 
     ways = {"headset": off(20.0), "r = 50": off(-5.0), "r = 1": off(30.0), "ours": off(2.0)}
     seen = {"ours": frozenset([study.takes[0].sha256])}

@@ -13,10 +13,10 @@ import pytest
 from footwork.core.body.motion import Motion
 from footwork.core.errors import InputError
 from footwork.core.maths import quat
+from footwork.core.recording.body_estimate import BodyEstimate, estimate_doubts
 from footwork.core.recording.csv_format import write_csv
 from footwork.core.recording.cut import cut
 from footwork.core.recording.mounts import DEVICE_MOUNTS, SIMULATED_MOUNTS, grip_mounts
-from footwork.core.recording.orientation import Orientation, orientation_doubts
 from footwork.core.recording.read import read_recording, to_recording
 from footwork.core.recording.recording import Happening, Recording
 from footwork.core.recording.resample import resample
@@ -330,6 +330,6 @@ def test_a_part_tells_of_itself_first_and_keeps_other_doubts(recording: Recordin
 def test_a_second_in_doubt_is_worth_a_word(frames: int, told: bool) -> None:
     doubt = np.radians(np.full(640, 24.9))
     doubt[[100, *range(300, 300 + frames - 1)]] = np.radians(25.1)
-    lines = orientation_doubts(Orientation(np.zeros(640), doubt), 64.0)
+    lines = estimate_doubts(BodyEstimate(np.zeros(640), doubt), 64.0)
     line = "body direction doubtful for 1.0 of 10.0 s, first at 1.6 s: the predictor expects to be 25 degrees off"
     assert lines == ((f"{line} or more there",) if told else ())

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from footwork.core.recording.orientation import Orientation, orientation_doubts
+from footwork.core.recording.body_estimate import BodyEstimate, estimate_doubts
 
 FPS = 60.0
 
 
 def told(degrees: np.ndarray) -> tuple[str, ...]:
-    return orientation_doubts(Orientation(np.zeros(len(degrees)), np.radians(degrees)), FPS)
+    return estimate_doubts(BodyEstimate(np.zeros(len(degrees)), np.radians(degrees)), FPS)
 
 
 def test_two_seconds_in_doubt_are_told_with_their_place() -> None:
@@ -24,4 +24,4 @@ def test_short_doubts_sure_answers_and_no_notion_of_doubt_are_not_worth_a_word()
     assert told(degrees) == ()
     degrees[150:200] = 90.0
     assert told(degrees) == ()
-    assert orientation_doubts(Orientation(np.zeros(600), None), FPS) == ()
+    assert estimate_doubts(BodyEstimate(np.zeros(600), None), FPS) == ()
