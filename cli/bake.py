@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import math
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +11,7 @@ from ..core.errors import InputError
 from ..core.files import sha256_of
 from ..core.settings import BakeSettings
 from ..core.transaction import Transaction
-from .common import choose_predictor, load_databases, needing, run, say
+from .common import choose_predictor, load_databases, needing, run, say, tell
 from .options import InputPath, OutputPath, add_database, add_output, add_settings, read_settings
 from .verb import Report, Verb
 
@@ -96,14 +95,14 @@ def _run(options: argparse.Namespace, outputs: Transaction) -> Report:
     fps = options.fps or databases[0].fps
     target = targets.open_target(options.rig, fps)
     for doubt in target.doubts:
-        print(f"{target.name}: doubtful: {doubt}", file=sys.stderr)
+        tell(f"{target.name}: doubtful: {doubt}")
     ground = target.ground(options.ground) if options.ground else None
     result = run(bake(recording, databases, predict, target.rig, settings, output_fps=fps, ground=ground))
     rig, ground_file = (load.split_rig(path)[0] if path else None for path in (options.rig, options.ground))
     result.report["inputs"] += _more_inputs(options.predictor, rig, ground_file)
     target.write(result, Path(options.recording).stem)
     target.save(options.output, options.export, outputs)
-    say(options, report_in_words(result.report))
+    say(options, *report_in_words(result.report))
     say(
         options,
         f"{options.output}: {target.name}, {len(result.tracks.rotations)} frames at {fps:g} per second",

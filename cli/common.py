@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import contextlib
 import importlib
-import json
 import sys
 from collections.abc import Callable, Generator, Sequence
 from pathlib import Path
@@ -37,24 +36,31 @@ def run(job: jobs.Job[Any]) -> Any:
     """Drive a job to its end, telling its progress on standard error."""
     last = ("", -1.0)
 
-    def tell(fraction: float, message: str) -> None:
+    def progress(fraction: float, message: str) -> None:
         nonlocal last
         if message != last[0] or fraction >= last[1] + 0.1:
-            print(f"[{fraction:4.0%}] {message}", file=sys.stderr, flush=True)
+            tell(f"[{fraction:4.0%}] {message}")
             last = (message, fraction)
 
-    return jobs.run(job, tell)
+    return jobs.run(job, progress)
 
 
 def report_text(report: Report) -> str:
     """A report as JSON."""
-    return json.dumps(report, indent=2, ensure_ascii=False) + "\n"
+    from ..core.json_text import to_json
+
+    return to_json(report, indent=2) + "\n"
 
 
-def say(options: argparse.Namespace, text: str) -> None:
-    """Print for people, unless standard output carries the JSON report."""
+def say(options: argparse.Namespace, *lines: str) -> None:
+    """Print lines for people, unless standard output carries the JSON report; names in them as one can show them."""
     if options.json != "-":
-        print(text)
+        print("\n".join(map(one_line, lines)))
+
+
+def tell(line: str) -> None:
+    """Print a line on standard error, whatever a file or its name put into it."""
+    print(one_line(line), file=sys.stderr, flush=True)
 
 
 @contextlib.contextmanager
@@ -74,11 +80,6 @@ def drawing() -> Any:
         return importlib.import_module(".figures", __package__)
 
 
-def doubt(text: str) -> None:
-    """Tell a doubt on standard error, whatever a file put into it."""
-    print(one_line(text), file=sys.stderr)
-
-
 def load_takes(paths: Sequence[str], fps: float | None = None) -> list[Any]:
     """Takes with their doubts told on standard error."""
     from ..core.mocap.take import repeated
@@ -87,9 +88,9 @@ def load_takes(paths: Sequence[str], fps: float | None = None) -> list[Any]:
     takes = each(paths, lambda path: load_take(path, fps))
     for take in takes:
         for line in take.doubts:
-            doubt(f"{take.file}: doubtful: {line}")
+            tell(f"{take.file}: doubtful: {line}")
     for line in repeated(takes):
-        doubt(f"doubtful: {line}")
+        tell(f"doubtful: {line}")
     return takes
 
 

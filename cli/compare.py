@@ -36,7 +36,7 @@ def _run(options: argparse.Namespace, outputs: Transaction) -> Report:
     if not 0.0 <= options.tolerance <= 10.0:
         raise InputError(f"--tolerance {options.tolerance:g}: give a share, as 0.05")
     comparison = compare_reports(old, new, options.tolerance)
-    say(options, comparison_in_words(comparison))
+    say(options, *comparison_in_words(comparison))
     if options.fail_if_worse and comparison["worse"]:
         comparison["failed"] = [
             f"{row['metric']} got worse" for row in comparison["rows"] if row["verdict"] == "worse"

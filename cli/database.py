@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 
 from ..core.errors import InputError
 from ..core.settings import DatabaseSettings
 from ..core.transaction import Transaction
-from .common import load_takes, run, say
+from .common import load_takes, run, say, tell
 from .options import InputPath, add_output, add_settings, read_settings
 from .verb import Report, Verb
 
@@ -80,7 +79,7 @@ def _build(options: argparse.Namespace, outputs: Transaction) -> Report:
     save_database(options.output, database, outputs)
     report = describe_database(database)
     for line in report["provenance"]["skipped"]:
-        print(f"footwork build-database: left out: {line}", file=sys.stderr)
+        tell(f"footwork build-database: left out: {line}")
     say(options, f"{options.output}: {len(database)} frames in {len(database.clips)} clips")
     if settings.body_height != 1.0:
         low, high = database.height_range

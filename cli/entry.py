@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import sys
 import traceback
 from collections.abc import Sequence
 
 from ..core.errors import InputError
 from ..core.transaction import Transaction
-from .common import report_text
+from .common import report_text, tell
 from .options import STDOUT, open_outputs
 from .parser import make_parser
 from .streams import ended_by_sigterm, forgiving_streams, quiet_stdout, send
@@ -43,17 +42,14 @@ def _run(options: argparse.Namespace) -> int:
             if options.json is not None:
                 _put(report, options.json, outputs)
     except InputError as error:
-        for line in str(error).splitlines():
-            print(f"footwork {options.verb}: {line}", file=sys.stderr)
+        for line in error.lines:
+            tell(f"footwork {options.verb}: {line}")
         return BAD_INPUT
     except (Exception, KeyboardInterrupt) as error:
         # Blender's operators turn a cancel into an error of theirs
         if not isinstance(error, KeyboardInterrupt) and "KeyboardInterrupt" not in traceback.format_exc():
             traceback.print_exc()
-            print(
-                f"footwork {options.verb}: this is a bug in Footwork; please report the lines above",
-                file=sys.stderr,
-            )
+            tell(f"footwork {options.verb}: this is a bug in Footwork; please report the lines above")
             return BUG
         # it came too late where all is written
         if outputs is None or not outputs.committed:
@@ -71,5 +67,5 @@ def _put(report: Report, target: str, outputs: Transaction) -> None:
 
 
 def _cancelled(options: argparse.Namespace) -> int:
-    print(f"footwork {options.verb}: cancelled{options.chosen.when_cancelled(options)}", file=sys.stderr)
+    tell(f"footwork {options.verb}: cancelled{options.chosen.when_cancelled(options)}")
     return BAD_INPUT

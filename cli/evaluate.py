@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 from typing import Any
 
 from ..core.files import sha256_of
 from ..core.settings import BakeSettings
 from ..core.transaction import Transaction
-from .common import choose_predictor, each, load_databases, load_takes, needing, read_report, run, say
+from .common import choose_predictor, each, load_databases, load_takes, needing, read_report, run, say, tell
 from .experiments import add_experiments
 from .options import InputPath, OutputFolder, add_database, add_settings, read_settings
 from .report_folder import CERTAIN, write_folder
@@ -121,18 +120,18 @@ def _run(options: argparse.Namespace, outputs: Transaction) -> Report:
     weights = [path for path in options.predictor if path != HEADSET]
     report["inputs"] += [{"kind": "predictor", "name": p, "sha256": sha256_of(p)} for p in weights]
     for entry in report["takes"]:
-        say(options, f"{entry['take']}\n{report_in_words(entry)}")
+        say(options, entry["take"], *report_in_words(entry))
     figures = add_experiments(options, report, names, takes, databases, predict, settings, outputs)
     if old is not None:
         report["comparison"] = compare_reports(old, report)
-        say(options, comparison_in_words(report["comparison"]))
+        say(options, *comparison_in_words(report["comparison"]))
     if limits:
         report["limits"] = [limit.text for limit in limits]
         report["failed"] = failures(report["metrics"], limits)
     if folder is not None:
         write_folder(folder, report, figures, outputs)
     for line in (*report["warnings"], *(f"failed: {line}" for line in report.get("failed", []))):
-        print(f"footwork evaluate: {line}", file=sys.stderr)
+        tell(f"footwork evaluate: {line}")
     return report
 
 

@@ -46,7 +46,7 @@ def add_experiments(
             continue
         report["experiments"].append(experiment.report())
         plots[name] = list(experiment.plots)
-        say(options, experiment_in_words(report["experiments"][-1]))
+        say(options, *experiment_in_words(report["experiments"][-1]))
     return plots
 
 

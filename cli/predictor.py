@@ -72,7 +72,7 @@ def _evaluate(options: argparse.Namespace, outputs: Transaction) -> Report:
     else:
         predictors = shipped_predictors()
     report = evaluate_predictors(load_takes(options.takes), predictors, LOST[options.lost])
-    say(options, errors_in_words(report))
+    say(options, *errors_in_words(report))
     if figures is not None:
         outputs.write(options.plot, lambda file: file.write(figures.draw_predictors(report)))
     return report

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Any
 
 from ..core.errors import InputError
 from ..core.transaction import Transaction
-from .common import drawing, report_text
+from .common import drawing, report_text, tell
 from .verb import Report
 
 PAGE, REPORT = CERTAIN = ("report.html", "report.json")
@@ -26,7 +25,7 @@ def write_folder(folder: Path, report: Report, plots: dict[str, list[Any]], outp
         figure = drawing()
     except InputError as error:
         notes.append(str(error))
-        print(f"footwork evaluate: {error}", file=sys.stderr)
+        tell(f"footwork evaluate: {error}")
     else:
         figures = {name: [(plot.title, figure.draw(plot)) for plot in some] for name, some in plots.items()}
         figures |= {entry["take"]: [("over time", figure.draw_series(entry))] for entry in report["takes"]}
@@ -37,4 +36,4 @@ def write_folder(folder: Path, report: Report, plots: dict[str, list[Any]], outp
     for name, text in ((PAGE, page(report, figures, notes)), (REPORT, report_text(report))):
         outputs.write(folder / name, lambda file, text=text: file.write(text.encode()))
     place = folder / PAGE
-    outputs.afterwards(lambda: print(f"{place} written", file=sys.stderr))
+    outputs.afterwards(lambda: tell(f"{place} written"))

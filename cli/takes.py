@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import argparse
-import sys
 
 from ..core.transaction import Transaction
-from .common import each, load_takes, say
+from .common import each, load_takes, say, tell
 from .options import InputPath, add_output
 from .verb import Report, Verb
 
@@ -34,7 +33,7 @@ def _inspect(options: argparse.Namespace, outputs: Transaction) -> Report:
     report = {"files": each(options.files, look)}
     skipped = [*families().skipped, *layouts().skipped]
     for line in skipped:
-        print(f"doubtful: {line}", file=sys.stderr)
+        tell(f"doubtful: {line}")
     return {**report, "skipped_presets": skipped}
 
 

@@ -8,7 +8,7 @@ import os
 import re
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,6 +86,34 @@ def read_json(path: str | os.PathLike[str], what: str, most: int = JSON_BYTES) -
     if len(content) > most:
         raise InputError(f"{path}: larger than {most // 1_000_000} MB; no {what} is")
     return parse_json(content, most)
+
+
+def to_json(value: Any, indent: int | None = None, *, sort_keys: bool = False) -> str:
+    """A value as JSON text; what is no letter in names of files becomes "?".
+
+    Raises:
+        ValueError: a number in it is NaN or infinite, which JSON does not know; says where it is.
+    """
+    try:
+        text = json.dumps(value, indent=indent, sort_keys=sort_keys, ensure_ascii=False, allow_nan=False)
+    except ValueError:
+        where = next(_not_finite(value, ""), None)
+        if where is None:
+            raise
+        raise ValueError(f"{where} is not finite: JSON has no such number") from None
+    return text.encode(errors="replace").decode()
+
+
+def _not_finite(value: Any, where: str) -> Iterator[str]:
+    """The places of all numbers that are NaN or infinite."""
+    if isinstance(value, dict):
+        for key, item in cast("dict[Any, Any]", value).items():
+            yield from _not_finite(item, f"{where}.{key}" if where else str(key))
+    elif isinstance(value, (list, tuple)):
+        for number, item in enumerate(cast("list[Any]", value)):
+            yield from _not_finite(item, f"{where}[{number}]")
+    elif isinstance(value, float) and not math.isfinite(value):
+        yield where or "the value"
 
 
 def _check_size(content: bytes) -> None:

@@ -204,8 +204,8 @@ def scale_motion(motion: Motion, factor: float) -> Motion:
     return replace(motion, skeleton=skeleton, positions=motion.positions * factor)
 
 
-def report_in_words(report: dict[str, Any]) -> str:
-    """The figures that a person looks at first, a line each."""
+def report_in_words(report: dict[str, Any]) -> list[str]:
+    """The figures that a person looks at first, line by line."""
     metrics = report["metrics"]
     lines = [f"  {'':<38}{'mean':>8}{'p95':>8}{'max':>8}{'floor':>8}"]
     for name, metric in METRICS.items():
@@ -221,7 +221,7 @@ def report_in_words(report: dict[str, Any]) -> str:
         f"{metrics['clamped_fraction']:.1%} of frames held at alpha, {metrics['unreachable_fraction']:.1%} out of reach"
     )
     lines.append(f"  {timing['recorded']:.1f} s recorded, baked in {seconds:.2f} s")
-    return "\n".join(lines + [f"  warning: {warning}" for warning in report["warnings"]])
+    return lines + [f"  warning: {warning}" for warning in report["warnings"]]
 
 
 @dataclass(frozen=True, slots=True)

@@ -119,8 +119,8 @@ def _pooled_deg(errors: list[Array], doubts: list[Array]) -> dict[str, Any]:
     }
 
 
-def errors_in_words(report: Mapping[str, Any]) -> str:
-    """The report of `evaluate_predictors` as a table for people."""
+def errors_in_words(report: Mapping[str, Any]) -> list[str]:
+    """The report of `evaluate_predictors` as a table for people, line by line."""
     lines = [f"{'degrees':24} {'mean':>7} {'std':>7} {'p95':>7} {'doubt':>7}  sees"]
     for name, row in report["predictors"].items():
         sees = "past" if row["causal"] else "past and future"
@@ -133,4 +133,4 @@ def errors_in_words(report: Mapping[str, Any]) -> str:
     for take in report["takes"]:
         means = " ".join(f"{take['predictors'][name]['mean']:14.2f}" for name in names)
         lines.append(f"{take['take'][:40]:40} {means}")
-    return "\n".join(lines)
+    return lines

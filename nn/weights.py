@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import json
 import math
 import os
 from collections.abc import Mapping
@@ -16,7 +15,7 @@ from numpy.typing import NDArray
 
 from ..core.bounds import INPUT_DEVIATION, INPUT_MEAN, JSON_BYTES, LAYERS, NETWORKS, WEIGHT, WIDTH
 from ..core.errors import FaultError, InputError
-from ..core.json_text import parse_json
+from ..core.json_text import parse_json, to_json
 from ..core.npz import Npz, open_npz, write_npz
 from ..core.transaction import Transaction, write_atomically
 from .inputs import INPUTS, Scaler
@@ -82,7 +81,7 @@ def save_predictor(
         "smoothing": predictor.smoothing,
         "provenance": dict(predictor.provenance),
     }
-    text = np.frombuffer(json.dumps(header, sort_keys=True).encode(), dtype=np.uint8)
+    text = np.frombuffer(to_json(header, sort_keys=True).encode(), dtype=np.uint8)
     write_atomically(path, lambda file: write_npz(file, {"header": text, **arrays}, compressed=True), outputs)
 
 

@@ -1,6 +1,5 @@
 """The bake: recording, databases, predictor and rig become an action."""
 
-import json
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -17,6 +16,7 @@ from ..core import pipeline
 from ..core.database.sidecar import load_database
 from ..core.errors import InputError
 from ..core.jobs import Job, part
+from ..core.json_text import to_json
 from ..core.recording.cut import cut
 from ..core.recording.read import read_recording
 from ..core.recording.recording import Recording
@@ -83,7 +83,7 @@ class FOOTWORK_OT_bake(JobOperator, bpy.types.Operator):
             if rig.name not in scene.objects:
                 raise InputError(f"{rig.name}: it is not in this scene; pick another rig")
             for doubt in armature.rig_doubts(rig):
-                self.report({"WARNING"}, f"{rig.name}: {doubt}")
+                self.tell("WARNING", f"{rig.name}: {doubt}")
         self._scene, self._rig = keep_scene(scene), None if rig is None else keep_object(rig)
         self.kept = (self._scene,) if self._rig is None else (self._scene, self._rig)
         self._name = footwork.action_name
@@ -98,6 +98,7 @@ class FOOTWORK_OT_bake(JobOperator, bpy.types.Operator):
             footwork.rig = rig
         else:
             rig = self._rig.find()
+        report = to_json(result.report, indent=2)
         name = self._name or Path(result.report["inputs"][0]["name"]).stem or "Footwork"
         action = write_action(
             rig,
@@ -115,12 +116,10 @@ class FOOTWORK_OT_bake(JobOperator, bpy.types.Operator):
         scene.frame_set(scene.frame_current)
         figures.show(footwork, result.report, f"{action.name} on {rig.name}", scene_fps(scene))
         text = bpy.data.texts.get(REPORT) or bpy.data.texts.new(REPORT)
-        text.from_string(json.dumps(result.report, indent=2))
+        text.from_string(report)
         for warning in result.warnings:
-            self.report({"WARNING"}, warning)
-        self.report(
-            {"INFO"}, f"{action.name}: {frames} frames on {rig.name}. {figures.in_short(result.report)}"
-        )
+            self.tell("WARNING", warning)
+        self.tell("INFO", f"{action.name}: {frames} frames on {rig.name}. {figures.in_short(result.report)}")
 
 
 def read_source(scene: bpy.types.Scene) -> Source:

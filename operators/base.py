@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import bpy
 
-from ..core.errors import InputError
+from ..core.errors import InputError, one_line
 from ..properties.upgrade import upgrade_all
 
 # A mixin has no Operator below it while it runs, but may use what comes with one
@@ -42,12 +42,17 @@ class FootworkOperator(Operator):
         """Do the job at once, as buttons and scripts ask for."""
         return self.guarded(self._whole, context)
 
+    def tell(self, kind: Literal["INFO", "WARNING", "ERROR"], text: str) -> None:
+        """Report a line, whatever a file or a name put into it."""
+        self.report({kind}, one_line(text))
+
     def guarded(self, part: Callable[..., set[str]], *arguments: Any) -> set[str]:
         """What a part of the operator answers; bad input becomes an error report and a cancel."""
         try:
             return part(*arguments)
         except InputError as error:
-            self.report({"ERROR"}, str(error))
+            for line in error.lines:
+                self.tell("ERROR", line)
             return {"CANCELLED"}
 
     def _whole(self, context: bpy.types.Context) -> set[str]:

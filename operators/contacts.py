@@ -67,7 +67,7 @@ class FOOTWORK_OT_use_edited_contacts(RowOperator, bpy.types.Operator):
         found = "all contacts are as detected"
         if edits:
             found = f"{len(edits)} stretch{'es' * (len(edits) > 1)} not as detected; build the database to use them"
-        self.report({"INFO"}, f"{take.name}: {found}")
+        self.tell("INFO", f"{take.name}: {found}")
 
 
 CLASSES = (FOOTWORK_OT_use_edited_contacts,)

@@ -79,10 +79,10 @@ class FOOTWORK_OT_build_database(JobOperator, bpy.types.Operator):
         save_database(self._path, database)
         _show(footwork_of(self._scene.find()), self._path, database)
         for doubt in doubts:
-            self.report({"WARNING"}, doubt)
+            self.tell("WARNING", doubt)
         minutes = len(database) / database.fps / 60
-        self.report(
-            {"INFO"},
+        self.tell(
+            "INFO",
             f"{self._path.name}: {len(database)} frames, {minutes:.1f} min in {len(database.clips)} clips",
         )
 

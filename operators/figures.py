@@ -1,6 +1,5 @@
 """A bake's report in the few figures that tell whether it is good, and these over time."""
 
-import json
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,6 +8,7 @@ import numpy as np
 from bpy.props import IntProperty
 from numpy.typing import NDArray
 
+from ..core.json_text import parse_json, to_json
 from ..core.measure.catalogue import METRICS
 from ..core.measure.metric import Metric
 from ..properties.scene import FOOTWORK_PG_scene, footwork_of
@@ -50,7 +50,7 @@ def over_time(report: dict, frame_start: int, fps: float) -> str:
     series = report["series"]
     kept = {metric.name: series[metric.name] for metric in shown_in("graph") if metric.name in series}
     seconds = report["timing_s"]["recorded"]
-    return json.dumps(
+    return to_json(
         {
             "frame_start": frame_start,
             "fps": fps,
@@ -61,15 +61,23 @@ def over_time(report: dict, frame_start: int, fps: float) -> str:
     )
 
 
-def read_over_time(text: str) -> OverTime:
-    """What `over_time` wrote."""
-    kept = json.loads(text)
-    rows = tuple(
-        Row(metric.heading, metric.unit, metric.limit, np.array(kept["series"][metric.name], np.float64))
-        for metric in shown_in("graph")
-        if metric.name in kept["series"]
-    )
-    return OverTime(kept["frame_start"], kept["fps"], kept["seconds"], kept["step_s"], rows)
+def read_over_time(text: str) -> OverTime | None:
+    """What `over_time` wrote; None where it is something else, for a .blend may come from anywhere."""
+    try:
+        kept = parse_json(text.encode(errors="replace"))
+        rows = tuple(
+            Row(metric.heading, metric.unit, metric.limit, np.array(kept["series"][metric.name], np.float64))
+            for metric in shown_in("graph")
+            if metric.name in kept["series"]
+        )
+        frame, fps, seconds, step_s = (
+            float(kept[key]) for key in ("frame_start", "fps", "seconds", "step_s")
+        )
+    except (ValueError, KeyError, TypeError, OverflowError):
+        return None
+    if min(fps, seconds, step_s) <= 0.0 or any(row.values.ndim != 1 or len(row.values) == 0 for row in rows):
+        return None
+    return OverTime(int(frame), fps, seconds, step_s, rows)
 
 
 def show(footwork: FOOTWORK_PG_scene, report: dict, title: str, fps: float) -> None:
@@ -135,7 +143,7 @@ class FOOTWORK_OT_explain_figure(FootworkOperator, bpy.types.Operator):
         return explanation(footwork_of(context.scene), properties.index)
 
     def work(self, context: bpy.types.Context) -> None:
-        self.report({"INFO"}, explanation(footwork_of(context.scene), self.index))
+        self.tell("INFO", explanation(footwork_of(context.scene), self.index))
 
 
 def explanation(footwork: FOOTWORK_PG_scene, index: int) -> str:

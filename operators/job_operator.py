@@ -131,7 +131,7 @@ class JobOperator(FootworkOperator):
             or (event.type == "ESC" and event.value == "PRESS")
         ):
             self.cancel(context)
-            self.report({"INFO"}, f"{self.title}: cancelled, {self.after_cancel()}")
+            self.tell("INFO", f"{self.title}: cancelled, {self.after_cancel()}")
             return {"CANCELLED"}
         if event.type != "TIMER":
             return {"PASS_THROUGH"}

@@ -64,7 +64,7 @@ class FOOTWORK_OT_train_predictor(JobOperator, bpy.types.Operator):
         footwork = footwork_of(self._scene.find())
         footwork.predictor, footwork.predictor_path = "FILE", paths.stored(str(self._path))
         footwork.trained = in_words(result)
-        self.report({"INFO"}, f"{self._path.name} trained: {footwork.trained}")
+        self.tell("INFO", f"{self._path.name} trained: {footwork.trained}")
 
 
 def predictor_path(footwork: FOOTWORK_PG_scene, override: str = "") -> Path:

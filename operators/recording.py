@@ -88,7 +88,7 @@ class FOOTWORK_OT_show_recording(RecordingOperator, bpy.types.Operator):
         footwork.head, footwork.left, footwork.right = empties
         footwork.tracker_axes = "Y_FORWARD"
         frames = recording.times[-1] * scene_fps(scene)
-        self.report({"INFO"}, f"{recording.name}: three empties, {frames:.0f} frames")
+        self.tell("INFO", f"{recording.name}: three empties, {frames:.0f} frames")
 
 
 class FOOTWORK_OT_simulate_recording(RowOperator, ExportHelper, bpy.types.Operator):
@@ -130,9 +130,7 @@ def _inspect(operator: FootworkOperator, footwork: FOOTWORK_PG_scene) -> None:
     footwork.recording_found, footwork.recording_doubts = told(recording)
     footwork.recording_state = "DOUBT" if recording.doubts else "OK"
     footwork.eye_height = recording.eye_height
-    operator.report(
-        {"INFO"}, f"{recording.name}: {recording.times[-1]:.1f} s at {recording.fps:.0f} per second"
-    )
+    operator.tell("INFO", f"{recording.name}: {recording.times[-1]:.1f} s at {recording.fps:.0f} per second")
 
 
 class FOOTWORK_FH_recording(bpy.types.FileHandler):

@@ -27,7 +27,7 @@ class FOOTWORK_OT_use_active_rig(FootworkOperator, bpy.types.Operator):
         try:
             armature.armature_to_rig(obj)
         except InputError as error:
-            self.report({"WARNING"}, str(error))
+            self.tell("WARNING", str(error))
 
 
 class FOOTWORK_OT_reset_roles(FootworkOperator, bpy.types.Operator):

@@ -83,8 +83,8 @@ class FOOTWORK_OT_inspect_takes(JobOperator, bpy.types.Operator):
                 take.state, take.seconds, take.found, take.doubts = state, seconds, found, doubts
                 faults += state == "FAULT"
                 if state == "FAULT":
-                    self.report({"WARNING"}, doubts)
-        self.report({"INFO"}, f"{len(result)} takes read" + (f", {faults} cannot be used" if faults else ""))
+                    self.tell("WARNING", doubts)
+        self.tell("INFO", f"{len(result)} takes read" + (f", {faults} cannot be used" if faults else ""))
 
 
 def _inspect(paths):
@@ -167,9 +167,9 @@ class FOOTWORK_OT_import_take(FootworkOperator, ImportHelper, bpy.types.Operator
         for take, contacts, file in shown:
             obj = preview.show_take(take, contacts, file, context.collection, scene, footwork.frame_start)
             for doubt in take.doubts:
-                self.report({"WARNING"}, f"{take.name}: {doubt}")
+                self.tell("WARNING", f"{take.name}: {doubt}")
             _select_only(context, obj)
-            self.report({"INFO"}, f"{take.name}: {len(contacts)} frames at {scene_fps(scene):g} fps")
+            self.tell("INFO", f"{take.name}: {len(contacts)} frames at {scene_fps(scene):g} fps")
 
 
 def _select_only(context: bpy.types.Context, obj: bpy.types.Object) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib.util
-import json
 import os
 import subprocess
 import sys
@@ -16,8 +15,10 @@ from pathlib import Path
 
 import bpy
 
+from ..core.bounds import REPORT_BYTES
 from ..core.errors import InputError
 from ..core.jobs import Job
+from ..core.json_text import parse_json
 from ..core.staging import recover
 from ..nn.settings import TrainSettings
 from ..properties.preferences import preferences_of
@@ -174,7 +175,7 @@ def train(python: str, takes: Sequence[str], output: Path, settings: TrainSettin
                 recover(output.parent)
         if process.returncode != 0:
             raise InputError(_fault(log) or f"training ended with code {process.returncode}; try again")
-        return json.loads(report.read_text(encoding="utf-8"))
+        return parse_json(report.read_bytes(), REPORT_BYTES)
 
 
 def progress(line: str, fraction: float, message: str) -> tuple[float, str]:

@@ -12,6 +12,7 @@ from bpy.props import (
 )
 
 from ..bridge.ground import SURFACES
+from ..core.bounds import EYE_HEIGHT
 from .file_path import file_path
 from .rows import STATES, FOOTWORK_PG_database, FOOTWORK_PG_figure, FOOTWORK_PG_take
 from .settings_groups import (
@@ -131,8 +132,8 @@ class FOOTWORK_PG_scene(Versioned, bpy.types.PropertyGroup):
         name="Eye Height",
         description="Height of the headset when its wearer stands upright",
         subtype="DISTANCE",
-        min=0.3,
-        max=3.0,
+        min=EYE_HEIGHT[0],
+        max=EYE_HEIGHT[1],
         default=1.65,
         step=1,
         precision=3,

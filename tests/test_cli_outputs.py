@@ -266,3 +266,36 @@ def test_a_figure_may_not_overwrite_an_input_either(
     assert main(command(text, made, tmp_path)) == 2
     assert "take.png: is one of the files to read" in capsys.readouterr().err.splitlines()[-1]
     assert snapshot(tmp_path) == before
+
+
+def test_a_report_with_a_number_that_json_does_not_know_is_our_bug_and_leaves_the_old_files(
+    tmp_path: Path, made: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from footwork.core.database import describe
+
+    monkeypatch.setattr(
+        describe, "describe_database", lambda database: {"provenance": {"skipped": []}, "x": [float("nan")]}
+    )
+    fill(QUICK["build-database"], tmp_path)
+    before = snapshot(tmp_path)
+    arguments = command(QUICK["build-database"], made, tmp_path)
+    assert main(arguments) == 1
+    assert "x[0] is not finite" in capsys.readouterr().err
+    assert snapshot(tmp_path) == before
+
+
+@pytest.mark.parametrize("verb", ["inspect", "simulate-recording", "build-database", "evaluate"])
+def test_no_name_of_a_file_breaks_a_line_or_reaches_the_terminal(
+    tmp_path: Path, made: Path, verb: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    take = tmp_path / os.fsdecode(b"a\n\x1b[2Jfootwork evaluate: b\xff.bvh")
+    shutil.copy(made / "take.bvh", take)
+    out = tmp_path / "out"
+    out.mkdir()
+    arguments = command(QUICK[verb], made, out)
+    arguments = [str(take) if word == str(made / "take.bvh") else word for word in arguments]
+    assert main(arguments) == 0
+    said = capsys.readouterr()
+    for line in (*said.out.split("\n"), *said.err.split("\n")):
+        assert line.isprintable(), line
+    assert not any(line.startswith(("\x1b", "footwork evaluate: b")) for line in said.out.split("\n"))

@@ -13,6 +13,10 @@ from typing import Any
 import numpy as np
 from footwork.core.npz import write_npz
 
+GENTLE = 0.6
+"""Share of the structured changes that leave a file of its kind, so that much is read and carried on."""
+REPLAY_FLOATS = 60 * 23
+"""At the end of the sound replay."""
 NUMBERS = (
     "0",
     "-1",
@@ -72,8 +76,28 @@ def change_bytes(rng: random.Random, content: bytes) -> bytes:
     return bytes(out)
 
 
+def nearby(rng: random.Random, value: float) -> float:
+    """A number that differs a little."""
+    return value * rng.uniform(0.95, 1.05) + rng.uniform(-0.01, 0.01)
+
+
+def change_figures(rng: random.Random, content: bytes) -> bytes:
+    """Some numbers of a text's rows made a little different, or a row lost or doubled where nothing counts them."""
+    lines = content.decode().split("\n")
+    rows = [at for at, line in enumerate(lines) if line[:1].isdigit() or line[:1] == "-"]
+    for at in rng.sample(rows, min(len(rows), rng.choice((1, 2, 10, 40)))):
+        numbers = list(re.finditer(r"-?\d+\.\d+(?:e-?\d+)?", lines[at]))
+        if numbers:
+            number = rng.choice(numbers)
+            changed = f"{nearby(rng, float(number[0])):.6f}"
+            lines[at] = lines[at][: number.start()] + changed + lines[at][number.end() :]
+    return "\n".join(lines).encode()
+
+
 def change_text(rng: random.Random, content: bytes) -> bytes:
-    """Numbers replaced, lines lost, doubled or swapped."""
+    """Numbers replaced, lines lost, doubled or swapped; every other time only numbers moved a little."""
+    if rng.random() < GENTLE:
+        return change_figures(rng, content)
     lines = content.decode().split("\n")
     for _ in range(rng.choice((1, 1, 2, 4))):
         at, way = rng.randrange(len(lines)), rng.randrange(8)
@@ -104,11 +128,37 @@ def new_number(rng: random.Random, old: str) -> str:
 
 
 def change_json(rng: random.Random, content: bytes) -> bytes:
-    """Values replaced, lost, doubled or nested."""
+    """Values replaced, lost, doubled or nested; every other time only numbers moved a little, or texts replaced."""
     value = json.loads(content)
+    if rng.random() < GENTLE:
+        for _ in range(rng.choice((1, 2, 10, 40))):
+            change_leaf(rng, value)
+        return json.dumps(value).encode()
     for _ in range(rng.choice((1, 1, 2, 4))):
         change_value(rng, value)
     return json.dumps(value).encode()
+
+
+def change_leaf(rng: random.Random, value: Any) -> None:
+    """One number or text within a value, kept in its kind."""
+    while True:
+        keys = list(value) if isinstance(value, dict) else list(range(len(value)))
+        if not keys:
+            return
+        key = rng.choice(keys)
+        inner = value[key]
+        if isinstance(inner, dict | list):
+            value = inner
+            continue
+        if isinstance(inner, bool):
+            value[key] = not inner
+        elif isinstance(inner, int):
+            value[key] = inner + rng.choice((0, 0, 1, -1))
+        elif isinstance(inner, float):
+            value[key] = nearby(rng, inner)
+        elif isinstance(inner, str):
+            value[key] = rng.choice((inner, inner.upper(), f"{inner}2", f"\u00e4{inner}", "x\x1b[2J\ny"))
+        return
 
 
 def change_value(rng: random.Random, value: Any) -> None:
@@ -136,8 +186,12 @@ def change_npz(rng: random.Random, content: bytes) -> bytes:
     with np.load(io.BytesIO(content)) as found:
         arrays = {name: found[name] for name in found.files}
     whole = dict(arrays)
+    gentle = rng.random() < GENTLE
     for _ in range(rng.choice((1, 1, 2, 3))):
         name = rng.choice(list(arrays))
+        if gentle:
+            arrays[name] = move_array(rng, arrays[name])
+            continue
         if name == "header" and arrays[name] is whole[name] and rng.random() < 0.9:
             arrays[name] = np.frombuffer(change_json(rng, arrays[name].tobytes()), np.uint8)
         elif rng.random() < 0.05 and len(arrays) > 1:
@@ -147,6 +201,25 @@ def change_npz(rng: random.Random, content: bytes) -> bytes:
     file = io.BytesIO()
     write_npz(file, arrays, compressed=rng.random() < 0.3)
     return file.getvalue()
+
+
+def move_array(rng: random.Random, array: np.ndarray) -> np.ndarray:
+    """Its values moved a little, one or all of them; flags turned; names renamed. What counts stays."""
+    out = np.array(array)
+    if out.size == 0 or out.dtype.kind not in "fbU":
+        return out
+    at = np.unravel_index(rng.randrange(out.size), out.shape)
+    if out.dtype.kind == "b":
+        out[at] = not out[at]
+    elif out.dtype.kind == "U":
+        out = np.asarray(out.astype(f"<U{out.dtype.itemsize // 4 + 1}"))
+        out[at] = f"{out[at]}2" if out.ndim else out[at]
+    elif rng.random() < 0.5:
+        out[at] = nearby(rng, float(out[at]))
+    else:
+        noise = np.random.default_rng(rng.randrange(1 << 32)).normal(size=out.shape)
+        out = (out * (1.0 + rng.choice((1e-4, 1e-3, 0.02)) * noise)).astype(out.dtype)
+    return out
 
 
 def change_array(rng: random.Random, array: np.ndarray) -> np.ndarray:
@@ -184,8 +257,13 @@ def change_array(rng: random.Random, array: np.ndarray) -> np.ndarray:
 
 
 def change_replay(rng: random.Random, content: bytes) -> bytes:
-    """Counts and floats of a binary replay."""
+    """Counts and floats of a binary replay; every other time only floats of its frames, moved a little."""
     out = bytearray(content)
+    if rng.random() < GENTLE:
+        for _ in range(rng.choice((1, 2, 10, 40))):
+            at = len(out) - 4 * rng.randrange(1, REPLAY_FLOATS)
+            out[at : at + 4] = struct.pack("<f", nearby(rng, struct.unpack("<f", out[at : at + 4])[0]))
+        return bytes(out)
     for _ in range(rng.choice((1, 2, 5))):
         at = 4 * rng.randrange(2, len(out) // 4 - 1) + rng.randrange(4)
         value = rng.choice((0, 1, -1, 2**31 - 1, 1000)) if rng.random() < 0.3 else None

@@ -6,32 +6,43 @@ A new reader is one entry in `readers`.
 from __future__ import annotations
 
 import json
+import os
 import random
+import shutil
 import struct
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from footwork.cli.common import read_report
 from footwork.core import presets
 from footwork.core.body.edit import resample as resample_motion
+from footwork.core.bounds import EYE_HEIGHT, FARTHEST
 from footwork.core.database.build import build_database
 from footwork.core.database.describe import describe_database
+from footwork.core.database.motion_database import MotionDatabase
 from footwork.core.database.sidecar import load_database, save_database
-from footwork.core.evaluation.compare import compare_reports, comparison_in_words
+from footwork.core.errors import InputError
+from footwork.core.evaluation.compare import check_report, compare_reports, comparison_in_words
 from footwork.core.jobs import run
+from footwork.core.json_text import parse_json, to_json
+from footwork.core.mocap import families
 from footwork.core.mocap.bvh import format_bvh
 from footwork.core.mocap.demo import demo_motion
 from footwork.core.mocap.export import to_bvh
-from footwork.core.mocap.families import read_family
+from footwork.core.mocap.families import NamingFamily, read_family
 from footwork.core.mocap.take import Take
 from footwork.core.mocap.takes import load_take
-from footwork.core.pipeline import bake
+from footwork.core.pipeline import bake, report_in_words
 from footwork.core.recording import layouts
+from footwork.core.recording.body_estimate import BodyEstimate
 from footwork.core.recording.csv_format import write_csv
 from footwork.core.recording.cut import cut
-from footwork.core.recording.read import read_recording
+from footwork.core.recording.layouts import TableLayout, read_layout
+from footwork.core.recording.read import read_recording, to_recording
+from footwork.core.recording.recording import Recording
 from footwork.core.recording.resample import resample
 from footwork.core.recording.simulate import simulate_recording
 from footwork.core.settings import BakeSettings, DatabaseSettings
@@ -41,9 +52,9 @@ from footwork.nn.predictor import headset_forward, load_predictor, predict
 from footwork.nn.train.checkpoint import Checkpoint, Progress, read_checkpoint, write_checkpoint
 from footwork.nn.weights import Predictor, save_predictor
 from fuzz_changes import change_json, change_npz, change_replay, change_text
+from fuzz_verbs import WITH_BPY
 
-BAKED = 0.05
-"""Share of the databases that are read which are baked with, too; it takes long."""
+Change = Callable[[random.Random, bytes], bytes]
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +65,11 @@ class Reader:
     suffix: str
     sound: bytes
     change: Callable[[random.Random, bytes], bytes]
-    carry: Callable[[Path, random.Random], None]
+    read: Callable[[Path], Any]
+    carry: Callable[[Any, Path], None]
+    """All that a user would do with what was read; the path is where it was."""
+    verbs: tuple[str, ...] = ()
+    """Commands that read it, as `run_verb` takes them."""
 
 
 def check(condition: bool, what: str) -> None:
@@ -71,53 +86,107 @@ def short_motion():
 
 MOTION = short_motion()
 TRACKED = simulate_recording(MOTION, "walk")
+SECOND = cut(TRACKED, 0.0, 1.0)
 SETTINGS = DatabaseSettings(fps=30.0)
+LONGEST_BAKED_S = 5.0
+"""Of a recording: a small file can have long pauses in it, and a bake of all of that is work, not a fault."""
+TAKE = Take("walk", "walk.bvh", "", MOTION, {}, ())
+DATABASE = run(build_database([TAKE], SETTINGS, name="walk", tags=("upright",)))
 
 
-def carry_take(path: Path, rng: random.Random) -> None:
-    """To a database, and to a recording."""
-    take = load_take(path, 30.0)
+def baked(
+    recording: Recording, database: MotionDatabase, predict_with: Callable[[Recording], BodyEstimate]
+) -> dict[str, Any]:
+    """A bake's report, after a look at whether keys and report are in order."""
+    result = run(bake(recording, [database], predict_with, None, BakeSettings(search="greedy")))
+    tracks = result.tracks
+    check(bool(np.isfinite(tracks.rotations).all()), "keys of rotations")
+    check(float(np.abs(tracks.locations).max(initial=0.0)) < FARTHEST, "keys of locations")
+    check_report(parse_json(to_json(result.report).encode()))
+    report_in_words(result.report)
+    return result.report
+
+
+def carry_take(take: Take, path: Path) -> None:
+    """To a recording, and to a database, which is kept, described, baked with and measured."""
     check(
         bool(np.isfinite(take.motion.rotations).all() and np.isfinite(take.motion.positions).all()), "a take"
     )
     recording = simulate_recording(take.motion, take.name)
     check(bool(np.isfinite(recording.positions).all()), "its trackers")
-    if rng.random() < 0.2:
-        database = run(build_database([take], SETTINGS, name="fuzz"))
-        save_database(path.with_suffix(".made.npz"), database)
-        describe_database(load_database(path.with_suffix(".made.npz")))
+    made = path.with_suffix(".made.npz")
+    save_database(made, run(build_database([take], SETTINGS, name="fuzz")))
+    carry_database(load_database(made), path)
 
 
-def carry_recording(path: Path, rng: random.Random) -> None:
-    """To an even rate."""
-    recording = read_recording(path)
+def carry_recording(recording: Recording, path: Path) -> None:
+    """To an even rate and a measured bake."""
     even = resample(recording, 60.0)
     check(bool(np.isfinite(even.positions).all() and np.isfinite(even.rotations).all()), "a recording")
-    check(0.3 <= recording.eye_height <= 3.0, "an eye height")
+    check(EYE_HEIGHT[0] <= recording.eye_height <= EYE_HEIGHT[1], "an eye height")
+    long = recording.times[-1] > LONGEST_BAKED_S
+    baked(cut(recording, 0.0, LONGEST_BAKED_S) if long else recording, DATABASE, headset_forward)
 
 
-def carry_database(path: Path, rng: random.Random) -> None:
-    """To its description, and a short bake."""
-    database = load_database(path)
-    json.dumps(describe_database(database), allow_nan=False)
-    if rng.random() < BAKED:
-        result = run(
-            bake(cut(TRACKED, 0.0, 1.0), [database], headset_forward, None, BakeSettings(search="greedy"))
-        )
-        check(bool(np.isfinite(result.tracks.locations).all()), "keys")
+def carry_database(database: MotionDatabase, path: Path) -> None:
+    """To its description, and a measured bake."""
+    to_json(describe_database(database))
+    baked(SECOND, database, headset_forward)
 
 
-def carry_predictor(path: Path, rng: random.Random) -> None:
-    """To a direction."""
-    found = predict(load_predictor(path), TRACKED)
+def carry_predictor(predictor: Predictor, path: Path) -> None:
+    """To directions, and a measured bake with them."""
+    found = predict(predictor, TRACKED)
     check(bool(np.isfinite(found.yaws).all()), "directions")
     check(found.doubt is None or bool(np.isfinite(found.doubt).all()), "a doubt")
+    baked(SECOND, DATABASE, lambda recording: predict(predictor, recording))
 
 
-def carry_report(path: Path, rng: random.Random) -> None:
-    """Beside itself."""
-    report = read_report(str(path))
-    comparison_in_words(compare_reports(report, report))
+def carry_report(report: dict[str, Any], path: Path) -> None:
+    """Beside itself and a sound one, both ways, in words."""
+    sound = read_report(str(path.parent / "report.json"))
+    for pair in ((report, report), (sound, report), (report, sound)):
+        comparison = compare_reports(*pair)
+        to_json(comparison)
+        comparison_in_words(comparison)
+
+
+def as_preset(path: Path, kind: str, use: Callable[[], None]) -> None:
+    """Use a preset as the user's own."""
+    own = presets.user_folder(kind) / path.name
+    own.parent.mkdir(parents=True, exist_ok=True)
+    shutil.copy(path, own)
+    try:
+        use()
+    finally:
+        own.unlink()
+
+
+def carry_layout(layout: TableLayout, path: Path) -> None:
+    """To a recording of its table, and a bake."""
+
+    def use() -> None:
+        content = (path.parent / "table.csv").read_bytes()
+        if not layouts.recognise(content, layout):
+            raise InputError("table.csv: no table of this layout")
+        raw = layouts.read_table(content, "table.csv", layout)
+        carry_recording(to_recording(raw, "table.csv", ""), path)
+        read_recording(path.parent / "table.csv")
+
+    as_preset(path, layouts.KIND, use)
+
+
+def carry_family(family: NamingFamily, path: Path) -> None:
+    """To a take with such names, or with the names of those that ship, and all that follows."""
+    as_preset(path, families.KIND, lambda: carry_take(load_take(path.parent / "t.bvh", 30.0), path))
+
+
+def carry_checkpoint(checkpoint: Checkpoint, path: Path) -> None:
+    """To the predictor that its training has come to, and a bake with it."""
+    networks = (*checkpoint.progress.found, checkpoint.progress.best or checkpoint.network)
+    made = path.with_suffix(".made.npz")
+    save_predictor(made, Predictor("made", networks, checkpoint.scaler, None, 0.1, {}))
+    carry_predictor(load_predictor(made), path)
 
 
 def network(rng: np.random.Generator) -> Network:
@@ -153,12 +222,57 @@ def replay() -> bytes:
     return b"\x69\x3d\x2d\x44\x01\x00" + info + b"\x01" + struct.pack("<i", 60) + frames.tobytes()
 
 
+def table() -> bytes:
+    """The tracked walk in the columns, units and axes of the layout that is changed."""
+    data = json.loads(LAYOUT)
+    names = [data["time"]]
+    for tracker in ("head", "left", "right"):
+        names += [*data[tracker]["position"], *data[tracker]["rotation"]]
+    # right, up, backwards
+    positions = TRACKED.positions[..., (0, 2, 1)] * (100.0, 100.0, -100.0)
+    rotations = TRACKED.rotations[..., (0, 1, 3, 2)] * (1.0, 1.0, 1.0, -1.0)
+    rows = np.concatenate([positions, rotations], axis=-1).reshape(len(TRACKED.times), -1)
+    lines = [",".join(f"{value:.6f}" for value in row) for row in np.c_[TRACKED.times * 1e3, rows]]
+    return "\n".join([",".join(names), *lines, ""]).encode()
+
+
+LAYOUT = (presets.SHIPPED / layouts.KIND / "who_is_alyx.json").read_bytes()
+BONE_MAP = (presets.SHIPPED / families.KIND / "xsens.json").read_bytes()
+BAKE = "--predictor headset --to 1 -o OUT/b.blend --json OUT/r.json"
+TAKE_VERBS = (
+    "build-database INPUT -o OUT/d.npz --fps 30 --json OUT/r.json",
+    "evaluate INPUT --database d.npz --true-orientation --json OUT/r.json",
+    "simulate-recording INPUT -o OUT/r.csv",
+    "inspect INPUT --json OUT/r.json",
+)
+RECORDING_VERBS = (
+    *([f"bake INPUT --database d.npz {BAKE}"] if WITH_BPY else []),
+    "inspect INPUT --json OUT/r.json",
+)
+DATABASE_VERBS = (
+    *([f"bake r.csv --database INPUT {BAKE}"] if WITH_BPY else []),
+    "evaluate t.bvh --database INPUT --true-orientation --json OUT/r.json",
+    "build-database t.bvh --skeleton INPUT --fps 30 -o OUT/e.npz",
+    "database-info INPUT --json OUT/r.json",
+)
+PREDICTOR_VERBS = (
+    *([f"bake r.csv --database d.npz {BAKE} --predictor INPUT"] if WITH_BPY else []),
+    "evaluate t.bvh --database d.npz --predictor INPUT --json OUT/r.json",
+    "evaluate-predictor t.bvh --predictor INPUT --json OUT/r.json",
+)
+REPORT_VERBS = (
+    "compare-reports INPUT report.json --json OUT/r.json",
+    "compare-reports report.json INPUT --fail-if-worse --tolerance 0.5 --json OUT/r.json",
+    "evaluate t.bvh --database d.npz --true-orientation --against INPUT --json OUT/r.json",
+)
+
+
 def readers(folder: Path) -> list[Reader]:
-    """Every reader, with a sound file of its kind."""
+    """Every reader, with a sound file of its kind; what verbs need besides is put into the folder."""
+    os.environ[presets.VARIABLE] = str(folder / "presets")
+    (folder / "presets").mkdir()
     rng = np.random.default_rng(4)
-    take = Take("walk", "walk.bvh", "", MOTION, {}, ())
-    database = run(build_database([take], SETTINGS, name="walk", tags=("upright",)))
-    save_database(folder / "d.npz", database)
+    save_database(folder / "d.npz", DATABASE)
     write_csv(folder / "r.csv", TRACKED)
     scaler = Scaler(rng.normal(size=INPUTS), rng.uniform(0.5, 2.0, INPUTS))
     predictor = Predictor("p", (network(rng),), scaler, None, 0.1, {"held_out_error_deg": 12.0})
@@ -167,32 +281,51 @@ def readers(folder: Path) -> list[Reader]:
     progress = Progress([network(rng)], [{"step": 3.0}], 7, network(rng), 12.5, 1, [0.5, 0.25])
     state = {"order": np.arange(9), "numpy": np.array("{}")}
     write_checkpoint(folder / "c", Checkpoint(origin, progress, scaler, network(rng), network(rng), state))
-    baked = run(
-        bake(cut(TRACKED, 0.0, 1.0), [database], headset_forward, None, BakeSettings(search="greedy"))
-    )
-    shipped = presets.SHIPPED
-    layout = (shipped / layouts.KIND / "who_is_alyx.json").read_bytes()
-    bone_map = sorted((shipped / "bone_maps").glob("*.json"))[0].read_bytes()
+    (folder / "t.bvh").write_text(format_bvh(to_bvh(MOTION, "walk")))
+    (folder / "table.csv").write_bytes(table())
+    (folder / "report.json").write_text(to_json(baked(SECOND, DATABASE, headset_forward)))
 
     def content(name: str) -> bytes:
         return (folder / name).read_bytes()
 
-    take_text = format_bvh(to_bvh(MOTION, "walk")).encode()
+    def recording(name: str, suffix: str, sound: bytes, change: Change) -> Reader:
+        return Reader(name, suffix, sound, change, read_recording, carry_recording, RECORDING_VERBS)
+
+    def from_checkpoint(path: Path) -> Checkpoint:
+        return read_checkpoint(path, origin)
+
+    def from_report(path: Path) -> dict[str, Any]:
+        return read_report(str(path))
+
     return [
-        Reader("bvh", ".bvh", take_text, change_text, carry_take),
-        Reader("csv", ".csv", content("r.csv"), change_text, carry_recording),
-        Reader("aframe", ".json", aframe(), change_json, carry_recording),
-        Reader("bsor", ".bsor", replay(), change_replay, carry_recording),
-        Reader("layout", ".json", layout, change_json, lambda path, _: layouts.read_layout(path) and None),
-        Reader("bone map", ".json", bone_map, change_json, lambda path, _: read_family(path) and None),
-        Reader("database", ".npz", content("d.npz"), change_npz, carry_database),
-        Reader("predictor", ".npz", content("p.npz"), change_npz, carry_predictor),
         Reader(
-            "checkpoint",
-            ".training",
-            content("c"),
-            change_npz,
-            lambda p, _: read_checkpoint(p, origin) and None,
+            "bvh",
+            ".bvh",
+            content("t.bvh"),
+            change_text,
+            lambda path: load_take(path, 30.0),
+            carry_take,
+            TAKE_VERBS,
         ),
-        Reader("report", ".json", json.dumps(baked.report).encode(), change_json, carry_report),
+        recording("csv", ".csv", content("r.csv"), change_text),
+        recording("aframe", ".json", aframe(), change_json),
+        recording("bsor", ".bsor", replay(), change_replay),
+        Reader("layout", ".json", LAYOUT, change_json, read_layout, carry_layout),
+        Reader("bone map", ".json", BONE_MAP, change_json, read_family, carry_family),
+        Reader(
+            "database", ".npz", content("d.npz"), change_npz, load_database, carry_database, DATABASE_VERBS
+        ),
+        Reader(
+            "predictor",
+            ".npz",
+            content("p.npz"),
+            change_npz,
+            load_predictor,
+            carry_predictor,
+            PREDICTOR_VERBS,
+        ),
+        Reader("checkpoint", ".training", content("c"), change_npz, from_checkpoint, carry_checkpoint),
+        Reader(
+            "report", ".json", content("report.json"), change_json, from_report, carry_report, REPORT_VERBS
+        ),
     ]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
@@ -17,6 +16,7 @@ from ..body.skeleton import Skeleton
 from ..body.standing import standing_head_height
 from ..errors import InputError
 from ..jobs import Job
+from ..json_text import to_json
 from ..mocap.take import Take
 from ..settings import DatabaseSettings, check
 from .carry import carry_over
@@ -192,9 +192,9 @@ def _provenance(
     ]
     return {
         "producer": f"footwork {VERSION}",
-        "sources": json.dumps(sources),
-        "settings": json.dumps(asdict(settings)),
-        "excluded": json.dumps([str(replace(item, take=file_name(item.take))) for item in exclude]),
-        "contacts": json.dumps([str(replace(item, take=file_name(item.take))) for item in contact_edits]),
-        "skipped": json.dumps(list(skipped)),
+        "sources": to_json(sources),
+        "settings": to_json(asdict(settings)),
+        "excluded": to_json([str(replace(item, take=file_name(item.take))) for item in exclude]),
+        "contacts": to_json([str(replace(item, take=file_name(item.take))) for item in contact_edits]),
+        "skipped": to_json(list(skipped)),
     }

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from dataclasses import replace
 from typing import Any
@@ -13,6 +12,7 @@ from .. import VERSION
 from ..body.skeleton import Skeleton
 from ..errors import FaultError, InputError
 from ..files import sha256_of
+from ..json_text import parse_json, to_json
 from ..npz import Npz, open_npz, write_npz
 from ..transaction import Transaction, write_atomically
 from .motion_database import (
@@ -73,7 +73,7 @@ def _to_arrays(database: MotionDatabase) -> Arrays:
         "head_height": database.head_height,
         "height_range": database.height_range,
         "tags": database.tags,
-        "provenance": json.dumps(database.provenance),
+        "provenance": to_json(database.provenance),
         "joint_names": skeleton.names,
         "joint_roles": skeleton.roles,
         "joint_parents": skeleton.parents,
@@ -149,5 +149,5 @@ def _from_arrays(arrays: Arrays) -> MotionDatabase:
         head_height=float(arrays["head_height"]),
         height_range=(low, high),
         tags=tuple(arrays["tags"].tolist()),
-        provenance=json.loads(str(arrays["provenance"])),
+        provenance=parse_json(str(arrays["provenance"]).encode()),
     )

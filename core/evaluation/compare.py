@@ -124,8 +124,8 @@ def _input(row: Mapping[str, str]) -> str:
     return f"{row['kind']} {row['name']} {row['sha256'][:8]}".rstrip()
 
 
-def comparison_in_words(comparison: Mapping[str, Any]) -> str:
-    """The table for people."""
+def comparison_in_words(comparison: Mapping[str, Any]) -> list[str]:
+    """The table for people, line by line."""
     lines = [f"{'':<38}{'old':>10}{'new':>10}{'change':>9}"]
     for row in comparison["rows"]:
         change = "" if row["change"] is None else f"{row['change']:+.0%}"
@@ -133,4 +133,4 @@ def comparison_in_words(comparison: Mapping[str, Any]) -> str:
             f"{row['metric']:<38}{row['old']:>10.3f}{row['new']:>10.3f}{change:>9}  {row['verdict']}"
         )
     lines += [f"not the same: {line}" for line in comparison["differences"]]
-    return "\n".join([*lines, f"{comparison['worse']} worse by more than {comparison['tolerance']:.0%}"])
+    return [*lines, f"{comparison['worse']} worse by more than {comparison['tolerance']:.0%}"]

@@ -8,8 +8,8 @@ from typing import Any
 from .page import shown
 
 
-def experiment_in_words(entry: Mapping[str, Any]) -> str:
-    """Title, table and relations of one experiment's report."""
+def experiment_in_words(entry: Mapping[str, Any]) -> list[str]:
+    """Title, table and relations of one experiment's report, line by line."""
     cells = [entry["columns"], *([shown(cell) for cell in row] for row in entry["rows"])]
     widths = [max(len(row[i]) for row in cells) for i in range(len(cells[0]))]
     lines = [f"{entry['name']}: {entry['title']}"]
@@ -19,4 +19,4 @@ def experiment_in_words(entry: Mapping[str, Any]) -> str:
     for relation in entry["relations"]:
         mark = "holds" if relation["holds"] else "DOES NOT HOLD"
         lines.append(f"  {mark}: {relation['claim']} ({relation['figures']})")
-    return "\n".join([*lines, *(f"  note: {note}" for note in entry["notes"])])
+    return [*lines, *(f"  note: {note}" for note in entry["notes"])]

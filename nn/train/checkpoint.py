@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import contextlib
 import itertools
-import json
 import math
 import os
 from collections.abc import Mapping, Sequence
@@ -20,7 +19,7 @@ from numpy.typing import NDArray
 
 from ...core.bounds import JSON_BYTES
 from ...core.errors import FaultError, InputError
-from ...core.json_text import parse_json
+from ...core.json_text import parse_json, to_json
 from ...core.mocap.take import Take
 from ...core.npz import open_npz, write_npz
 from ...core.transaction import write_atomically
@@ -120,7 +119,7 @@ def write_checkpoint(path: str | os.PathLike[str], checkpoint: Checkpoint) -> No
         "best_error": progress.best_error_deg if math.isfinite(progress.best_error_deg) else None,
         **{key: getattr(progress, key) for key in ("history", "step", "waited", "losses")},
     }
-    text = np.frombuffer(json.dumps(header).encode(), dtype=np.uint8)
+    text = np.frombuffer(to_json(header).encode(), dtype=np.uint8)
     write_atomically(path, lambda file: write_npz(file, {"header": text, **arrays}))
 
 

@@ -54,7 +54,10 @@ def draw(context: bpy.types.Context) -> None:
         return
     scale = context.preferences.system.ui_scale
     room = free_room(context.area, context.region)
-    drawing = make_drawing(read(over_time), room, scale, context.scene.frame_current_final)
+    data = read(over_time)
+    if data is None:
+        return
+    drawing = make_drawing(data, room, scale, context.scene.frame_current_final)
     if drawing is not None:
         paint(drawing, scale)
 

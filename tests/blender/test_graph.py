@@ -127,3 +127,25 @@ def test_it_can_be_switched_off_and_is_saved(empty, tmp_path) -> None:
     assert not bpy.context.scene.footwork.overlays.graph
     kept = json.loads(bpy.context.scene.footwork.over_time)
     assert kept["series"].keys() == {"root_error_cm", "yaw_error_deg", "foot_skate_cm_s"}
+
+
+@pytest.mark.parametrize(
+    "text", ["{", "[" * 9000, "[]", "3", '{"series": 3}', '{"series": {}, "frame_start": 1e999}', "\udcff"]
+)
+def test_what_is_no_figure_over_time_is_not_drawn(text: str) -> None:
+    assert figures.read_over_time(text) is None
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("fps", 0.0),
+        ("step_s", -1.0),
+        ("seconds", None),
+        ("frame_start", []),
+        ("series", {"root_error_cm": [[1.0]]}),
+    ],
+)
+def test_figures_over_time_that_cannot_be_are_not_drawn(key: str, value: object) -> None:
+    kept = json.loads(figures.over_time(REPORT, 101, 24.0))
+    assert figures.read_over_time(json.dumps({**kept, key: value})) is None

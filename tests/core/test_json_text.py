@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import math
+import os
 from pathlib import Path
 from typing import Any
 
 import pytest
 from footwork.core.errors import FaultError, InputError
-from footwork.core.json_text import parse_json, read_json
+from footwork.core.json_text import parse_json, read_json, to_json
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -85,3 +87,24 @@ def test_files(tmp_path: Path) -> None:
         read_json(path, "toy", 1_000_000)
     with pytest.raises(FaultError, match="larger than 1 MB"):
         parse_json(PAD * 2, 1_000_000)
+
+
+@given(value=VALUES, sort_keys=st.booleans())
+def test_what_is_written_is_json_that_is_read_again(value: Any, sort_keys: bool) -> None:
+    assert parse_json(to_json(value, sort_keys=sort_keys).encode()) == value
+
+
+@pytest.mark.parametrize("number", [math.nan, math.inf, -math.inf])
+def test_numbers_that_json_does_not_know_are_not_written(number: float) -> None:
+    for value, where in (
+        (number, "the value"),
+        ({"metrics": {"root_error_cm": {"mean": 1.0, "p95": number}}}, "metrics.root_error_cm.p95"),
+        ({"series": [0.0, (1.0, number)]}, r"series\[1\]\[1\]"),
+    ):
+        with pytest.raises(ValueError, match=f"^{where} is not finite"):
+            to_json(value)
+
+
+def test_names_that_are_no_letters_can_be_written() -> None:
+    name = os.fsdecode(b"take-\xff.bvh")
+    assert parse_json(to_json({"file": name}).encode()) == {"file": "take-?.bvh"}

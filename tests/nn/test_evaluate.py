@@ -60,7 +60,7 @@ def test_report_of_a_take():
         assert row["causal"] is (name != "look-ahead")
     found = report["takes"][0]["predictors"]["headset"]["mean"]
     assert found == pytest.approx(looking_aside(motion).mean())
-    words = errors_in_words(report)
+    words = "\n".join(errors_in_words(report))
     assert "headset" in words
     assert f"{report['predictors']['causal']['mean']:.2f}" in words
 

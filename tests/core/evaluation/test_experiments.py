@@ -39,7 +39,7 @@ def make(name: str, study: Study) -> Experiment:
     assert all(
         np.isfinite(line.y).any() and len(line.x) == len(line.y) for p in experiment.plots for line in p.lines
     )
-    assert experiment.title in experiment_in_words(experiment.report())
+    assert experiment.title in experiment_in_words(experiment.report())[0]
     return experiment
 
 
