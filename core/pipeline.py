@@ -218,10 +218,15 @@ def report_in_words(report: dict[str, Any]) -> list[str]:
     seconds = sum(value for stage, value in timing.items() if stage != "recorded")
     lines.append(
         f"  {metrics['transitions_per_s']:.2f} transitions per second, {metrics['poses_used']} poses used, "
-        f"{metrics['clamped_fraction']:.1%} of frames held at alpha, {metrics['unreachable_fraction']:.1%} out of reach"
+        f"{metrics['clamped_fraction']:.1%} of frames held at alpha, "
+        f"{_share(metrics['unreachable_fraction'])} out of reach"
     )
     lines.append(f"  {timing['recorded']:.1f} s recorded, baked in {seconds:.2f} s")
     return lines + [f"  warning: {warning}" for warning in report["warnings"]]
+
+
+def _share(value: float | None) -> str:
+    return "-" if value is None else f"{value:.1%}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,14 +12,21 @@ from typing import Any
 
 import numpy as np
 
-from . import feet, played, root, tracking, truth
+from . import feet, legs, played, root, tracking, truth
 from .measures import Array, summary
 from .metric import Metric
 from .subject import Body, Subject, Yardstick, subjects
 
 METRICS: dict[str, Metric] = {
     metric.name: metric
-    for metric in (*root.METRICS, *feet.METRICS, *tracking.METRICS, *truth.METRICS, *played.METRICS)
+    for metric in (
+        *root.METRICS,
+        *feet.METRICS,
+        *tracking.METRICS,
+        *truth.METRICS,
+        *legs.METRICS,
+        *played.METRICS,
+    )
 }
 """In the order in which they are shown."""
 
@@ -70,10 +77,16 @@ def summarise(values: Values) -> Metrics:
         elif metric.kind == "distribution":
             out[name] = {**summary(own), **({} if floor is None else {"floor": summary(floor)})}
         else:
-            out[name] = summary(own)["mean"]
+            out[name] = _mean(own)
             if floor is not None:
-                out[f"{name}_floor"] = summary(floor)["mean"]
+                out[f"{name}_floor"] = _mean(floor)
     return out
+
+
+def _mean(values: Array) -> float | None:
+    """None where nothing was to be measured."""
+    found = summary(values)
+    return found["mean"] if found["count"] else None
 
 
 def pool(parts: Sequence[Values]) -> Values:

@@ -22,6 +22,9 @@ from ..recording.targets import joint_targets
 from ..rig.ground import Ground, surface
 from .measures import Array, Flags
 
+LEG_M = 0.85
+"""Thigh and shin of the body for which bounds on lengths and speeds are written; other bodies scale them."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Body:
@@ -36,6 +39,11 @@ class Body:
 
     def __len__(self) -> int:
         return len(self.positions)
+
+    @property
+    def size(self) -> float:
+        """Its legs over those of a usual body."""
+        return self.skeleton.leg_length() / LEG_M
 
     @property
     def root_positions(self) -> Array:

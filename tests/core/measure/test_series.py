@@ -41,3 +41,8 @@ def test_pooled_takes_count_by_their_length() -> None:
     assert metrics["root_error_cm"]["floor"]["mean"] == pytest.approx(0.25)
     assert metrics["jitter"] == 2.0
     assert metrics["poses_used"] == 3, "a pose that two takes use is one pose"
+
+
+def test_what_was_not_measured_has_no_number() -> None:
+    metrics = summarise(values({"phase_agreement": [np.nan, np.nan], "jitter": []}, {"jitter": [2.0]}))
+    assert metrics == {"phase_agreement": None, "jitter": None, "jitter_floor": 2.0}
