@@ -37,6 +37,10 @@ Array = NDArray[np.floating[Any]]
 
 REPORT_FORMAT = "footwork-bake-report"
 REPORT_SCHEMA = 2
+HEAD_HEIGHT = 1.54
+"""Height in metres of the head joint of a body of 1.7 m at ease, for which lengths in settings and in code hold."""
+SMALLEST, LARGEST = 0.3, 3.0
+"""Heights in metres of the bodies that rigs are made as."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -101,8 +105,8 @@ def bake(
     clock.lap("orientation")
 
     scales = _scales(recording, databases, fit.skeleton, settings)
-    # alpha is metres on the rig: the search works on the database's own body size
-    sized = replace(settings, alpha=settings.alpha * scales.database / scales.rig)
+    # the search works on the database's own body size
+    sized = replace(settings, alpha=settings.alpha * scales.size * scales.database / scales.rig)
     playback = yield from part(_match(recording, estimate.yaws, databases, sized, scales.database), 0.05, 0.6)
     clock.lap("search")
 
@@ -114,36 +118,58 @@ def bake(
     clock.lap("blending")
 
     yield 0.75, "Fitting the rig"
-    trackers = scale(recording, scales.rig)
-    matched = scale_motion(motion, scales.rig / scales.database)
+    # at the size for which all lengths, steps and speeds hold, and then as large as the rig
+    to_usual = scales.rig / scales.size
+    matched = scale_motion(motion, to_usual / scales.database)
     # the head's own place is no place for hips: with the paper's target they stay where the motion has them
-    roots = playback.target_positions * (scales.rig / scales.database) if settings.target == "body" else None
-    avatar = animate(matched, contacts, trackers, fit.skeleton, settings, roots, ground)
+    roots = playback.target_positions * (to_usual / scales.database) if settings.target == "body" else None
+    usual = scale_skeleton(fit.skeleton, 1.0 / scales.size)
+    around = None if ground is None else scale_ground(ground, 1.0 / scales.size)
+    avatar = animate(matched, contacts, scale(recording, to_usual), usual, settings, roots, around)
+    places = avatar.motion.positions * scales.size
+    made = replace(avatar.motion, skeleton=fit.skeleton, positions=places)
+    trackers = scale(recording, scales.rig)
     clock.lap("rig")
 
     yield 0.9, "Making keys"
-    tracks = to_bone_tracks(avatar.motion, fit, output_fps or fps)
+    tracks = to_bone_tracks(made, fit, output_fps or fps)
     check_tracks(tracks, rig)
     clock.lap("keys")
 
     yield 0.95, "Measuring"
-    doubts = recording.doubts + estimate_doubts(estimate, fps) + _ground_doubts(avatar.footing, fps)
+    doubts = (
+        *_size_doubts(rig, fit.skeleton),
+        *recording.doubts,
+        *estimate_doubts(estimate, fps),
+        *_ground_doubts(avatar.footing, fps),
+    )
     yardstick = Yardstick(
         contacts,
-        trackers if avatar.footing is None else raised(trackers, avatar.footing.lift),
+        trackers if avatar.footing is None else raised(trackers, avatar.footing.lift * scales.size),
         playback,
         databases,
         avatar.unreachable,
         scale=scales.rig / scales.database,
+        size=scales.size,
         truth=None if truth is None else scale_motion(truth, scales.rig),
         ground=ground,
         doubt=estimate.doubt,
     )
-    values = measure(yardstick, body_of(avatar.motion))
+    values = measure(yardstick, body_of(made))
     clock.lap("measures")
     report = _report(recording, databases, settings, scales, values, doubts, clock)
     times = playback.transitions / fps
-    return BakeResult(rig, tracks, avatar.motion, avatar.contacts, playback, times, report, doubts, yardstick)
+    return BakeResult(rig, tracks, made, avatar.contacts, playback, times, report, doubts, yardstick)
+
+
+def _size_doubts(rig: Rig, skeleton: Skeleton) -> tuple[str, ...]:
+    """A line for a rig that is no body in metres: it moves like any other, but its place and way are as far off."""
+    joints = skeleton.tpose_positions()
+    height = float((joints + skeleton.tips)[:, 2].max() - joints[:, 2].min())
+    if SMALLEST <= height <= LARGEST:
+        return ()
+    size = f"{rig.name} is {height:.3g} m tall, and bodies are {SMALLEST:g} to {LARGEST:g} m"
+    return (f"{size}: check its scale and the scene's unit scale",)
 
 
 def _ground_doubts(footing: Footing | None, fps: float) -> tuple[str, ...]:
@@ -198,10 +224,24 @@ def _report(
 
 def scale_motion(motion: Motion, factor: float) -> Motion:
     """A motion of a body `factor` times as large, about the floor point under the world's origin."""
-    skeleton = replace(
-        motion.skeleton, offsets=motion.skeleton.offsets * factor, tips=motion.skeleton.tips * factor
+    return replace(
+        motion, skeleton=scale_skeleton(motion.skeleton, factor), positions=motion.positions * factor
     )
-    return replace(motion, skeleton=skeleton, positions=motion.positions * factor)
+
+
+def scale_skeleton(skeleton: Skeleton, factor: float) -> Skeleton:
+    """A skeleton `factor` times as large."""
+    return replace(skeleton, offsets=skeleton.offsets * factor, tips=skeleton.tips * factor)
+
+
+def scale_ground(ground: Ground, factor: float) -> Ground:
+    """A ground `factor` times as large, about the world's origin."""
+
+    def scaled(points: Array) -> tuple[Array, Array]:
+        heights, normals = ground(points / factor)
+        return heights * factor, normals
+
+    return scaled
 
 
 def report_in_words(report: dict[str, Any]) -> list[str]:
@@ -235,6 +275,8 @@ class _Scales:
 
     rig: float
     database: float
+    size: float
+    """How many times as large as a body of 1.7 m the rig is; 1 where the recording is not to be scaled."""
 
 
 def _scales(
@@ -243,8 +285,11 @@ def _scales(
     """By the heights of the head joint at ease; by T-pose heights the avatar would stand on its toes."""
     ease = max(database.head_height / _head_height(database.skeleton) for database in databases)
     user = recording.eye_height - float(recording.mounts.offsets[0, 2])
-    to_rig = ease * _head_height(rig) / user if settings.scale_to_rig else 1.0
-    return _Scales(to_rig, ease * _head_height(databases[0].skeleton) / user)
+    at_ease = ease * _head_height(rig)
+    to_database = ease * _head_height(databases[0].skeleton) / user
+    if not settings.scale_to_rig:
+        return _Scales(1.0, to_database, 1.0)
+    return _Scales(at_ease / user, to_database, at_ease / HEAD_HEIGHT)
 
 
 def _head_height(skeleton: Skeleton) -> float:

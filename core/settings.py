@@ -104,7 +104,7 @@ class BakeSettings:
     alpha: float = setting(
         0.3,
         "Position Accuracy",
-        "Alpha: the root of the matched motion never leaves its target by more than this",
+        "Alpha: the root of the matched motion never leaves its target by more than this, on a body of 1.7 m",
         low=0.01,
         high=2.0,
         unit="m",
@@ -192,7 +192,7 @@ class BakeSettings:
     unlock_distance: float = setting(
         0.2,
         "Unlock Distance",
-        "A locked foot is let go when the motion leaves it this far behind",
+        "A locked foot is let go when the motion leaves it this far behind, on a body of 1.7 m",
         low=0.0,
         high=1.0,
         unit="m",

@@ -16,11 +16,14 @@ def _skate(subject: Subject) -> Array:
 
 
 def _nsm_skate(subject: Subject) -> Array:
-    return measures.nsm_skate(subject.toes, subject.toe_heights, subject.body.fps) * CM
+    limit = measures.NSM_HEIGHT_M * subject.yardstick.size
+    return measures.nsm_skate(subject.toes, subject.toe_heights, subject.body.fps, limit) * CM
 
 
 def _skating(subject: Subject) -> Array:
-    return measures.skating(subject.toes, subject.toe_heights, subject.body.fps).astype(np.float64)
+    size = subject.yardstick.size
+    flags = measures.skating(subject.toes / size, subject.toe_heights / size, subject.body.fps)
+    return flags.astype(np.float64)
 
 
 def _slides(subject: Subject) -> Array:

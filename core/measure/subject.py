@@ -84,6 +84,8 @@ class Yardstick:
     """`(T, 2)` hand targets farther away than the arm is long."""
     scale: float = 1.0
     """The avatar's metres over the databases'."""
+    size: float = 1.0
+    """How many times as large as a body of 1.7 m the avatar is: what counts as low or fast goes with it."""
     truth: Motion | None = None
     """The user's true motion at the motion's rate and on the avatar's scale."""
     ground: Ground | None = None

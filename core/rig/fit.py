@@ -102,19 +102,23 @@ def to_bone_tracks(motion: Motion, fit: RigFit, fps: float) -> BoneTracks:
     """Pose-bone channels of a motion on `fit.skeleton`, at `fps` frames per second.
 
     Bones with a role are keyed, and bones in between that leave their rest. Bones above the hips count as
-    being at rest. Formula: q = (P_parent (R_parent^-1 R))^-1 P with rest R and pose P in armature space.
+    being at rest. Formula: q = (P_parent (R_parent^-1 R))^-1 P with rest R and pose P in armature space; for a
+    loose bone, as for the hips, q = R^-1 P.
     """
     motion = resample(motion, fps)
     skeleton = fit.skeleton
+    loose = np.array([name in fit.rig.loose for name in skeleton.names])
+    loose[0] = True
     # with a local rotation L, P = P_parent T_parent^-1 L T: before and after L stand constants
-    before = np.empty_like(fit.rest)
-    before[0] = quat.conjugate(quat.multiply(fit.turn, fit.rest[0]))
-    parents = skeleton.parents[1:]
-    hang = quat.multiply(quat.conjugate(fit.rest[parents]), fit.rest[1:])
-    before[1:] = quat.conjugate(quat.multiply(fit.tpose[parents], hang))
+    hang = quat.multiply(quat.conjugate(fit.rest[skeleton.parents]), fit.rest)
+    follows = quat.multiply(fit.tpose[skeleton.parents], hang)
+    before = quat.conjugate(np.where(loose[:, None], quat.multiply(fit.turn, fit.rest), follows))
+    turns = motion.rotations
+    if loose[1:].any():
+        turns = np.where(loose[:, None], motion.forward()[1], turns)
     # products with constants on both sides as one matrix a joint
     products = quat.multiply(quat.multiply(before[:, None], np.eye(4)), fit.tpose[:, None])
-    basis = (np.swapaxes(products, -1, -2) @ motion.rotations.transpose(1, 2, 0)).transpose(2, 0, 1)
+    basis = (np.swapaxes(products, -1, -2) @ turns.transpose(1, 2, 0)).transpose(2, 0, 1)
     moved = np.abs(basis[..., 1:]).max(axis=(0, 2)) > 1e-6
     keyed = np.flatnonzero(moved | np.array([role != "" for role in skeleton.roles]))
     heads = fit.rig.rest[fit.bones[0], :3, 3]
@@ -213,11 +217,12 @@ def _hips_height(skeleton: Skeleton, origin: float, world_heads: Array) -> float
 
 
 def _check_limbs(rig: Rig, roles: tuple[str, ...], heads: Array) -> None:
-    """Refuse a body whose limbs, trunk or hips have no length; `heads` `(J, 3)` in metres."""
+    """Refuse a body whose limbs, trunk or hips have no length; `heads` `(J, 3)`."""
     limbs = (("upper_arm", "forearm", "hand"), ("thigh", "shin", "foot"))
     pairs = [(f"{a}.{side}", f"{b}.{side}") for side in SIDES for limb in limbs for a, b in pairwise(limb)]
+    least = 6e-4 * float(np.ptp(heads, axis=0).max())
     for a, b in [*pairs, ("thigh.L", "thigh.R"), ("hips", "head")]:
-        if np.linalg.norm(heads[roles.index(a)] - heads[roles.index(b)]) < 1e-3:
+        if np.linalg.norm(heads[roles.index(a)] - heads[roles.index(b)]) <= least:
             raise InputError(f"{rig.name}: {a} and {b} are at the same place; correct the bone map")
 
 

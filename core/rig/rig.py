@@ -28,6 +28,8 @@ class Rig:
     """`(4, 4)` the object's `matrix_world`: uniform scale, rotation, place."""
     roles: tuple[str, ...]
     """`(B,)` humanoid role of each bone, "" for none (see `core.body.skeleton.ROLES`)."""
+    loose: tuple[str, ...] = ()
+    """Bones whose rotation does not follow their parent's (Blender's Inherit Rotation is off)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -197,17 +197,19 @@ def test_with_the_papers_target_it_is_the_head_to_the_millimetre(
 
 
 @pytest.mark.parametrize("settings", [SETTINGS, PAPER], ids=["path", "paper"])
-@pytest.mark.parametrize("alpha", [0.04, 0.11])
-def test_alpha_is_metres_of_the_rig(
+@pytest.mark.parametrize("alpha", [0.03, 0.07])
+def test_alpha_is_metres_of_a_body_of_a_usual_size(
     user, walking, crouching, rig_body, sizes, settings, alpha: float
 ) -> None:
     found = baked(user, [walking, crouching], rig_body, replace(settings, alpha=alpha))
     playback = found.playback
-    away = distances(playback.root_positions, playback.target_positions) * sizes.from_people
+    away = distances(playback.root_positions, playback.target_positions) * 1.54 / sizes.people
     assert away.max() <= alpha + 1e-9
     assert playback.clamped.mean() > 0.02
     np.testing.assert_allclose(away[playback.clamped], alpha, atol=1e-9)
-    assert found.report["metrics"]["matched_root_error_cm"]["max"] == pytest.approx(100.0 * alpha)
+    # figures are the rig's
+    most = 100.0 * alpha * sizes.rig / 1.54
+    assert found.report["metrics"]["matched_root_error_cm"]["max"] == pytest.approx(most)
     assert found.report["settings"]["alpha"] == alpha
 
 
