@@ -1,4 +1,4 @@
-"""Where the body faces, from a recording: the headset's forward, or what a trained predictor makes of it."""
+"""The body estimate of a recording: the headset's forward alone, or what a trained predictor makes of it."""
 
 from __future__ import annotations
 
@@ -25,6 +25,7 @@ from .inputs import (
     yaw_to_sixd,
 )
 from .network import product
+from .parts import YAW, read_rows
 from .weights import Predictor, read_predictor
 from .windows import FACING, WindowLayout, mirror_inputs, stream, take_windows, window_inputs
 
@@ -65,15 +66,23 @@ def head_height(recording: Recording) -> float:
 
 
 def predict(predictor: Predictor, recording: Recording) -> BodyEstimate:
-    """The body's yaw at the frames of an evenly spaced recording, and the predictor's own doubt.
+    """The body at the frames of an evenly spaced recording: every part that the predictor knows, with its own doubt.
 
     Raises:
         InputError: its weights make answers that are not finite.
     """
     found = _predict(predictor, recording)
-    if not np.isfinite(found.yaws).all():
+    if not is_finite(found):
         raise InputError(f"predictor {predictor.name}: its answers are not finite; train or copy it again")
     return found
+
+
+def is_finite(estimate: BodyEstimate) -> bool:
+    """Whether all numbers of an estimate are."""
+    arrays = [estimate.yaws, estimate.standing]
+    for part in (estimate.hips, estimate.feet, estimate.chest, estimate.elbows):
+        arrays += [] if part is None else [part.mean, part.spread]
+    return all(array is None or bool(np.isfinite(array).all()) for array in arrays)
 
 
 def _predict(predictor: Predictor, recording: Recording) -> BodyEstimate:
@@ -132,8 +141,9 @@ def run_windows(
 ) -> BodyEstimate:
     """A window network's answers for every frame of a stream `(T, 31)` (see `windows.stream`).
 
-    Each answer is a vector: its direction the yaw, its length, at most about 1, the certainty. Networks vote
-    by their sum, and smoothing in world space lets certain moments carry doubtful ones.
+    Each answer begins with a vector: its direction the yaw, its length, at most about 1, the certainty. Networks
+    vote by their sum, and smoothing in world space lets certain moments carry doubtful ones. The other parts are
+    carried between answers in the world's axes, too, and seen from the body's in the end.
     """
     frames = np.arange(len(rows))
     asked = frames if predictor.causal else np.union1d(frames[:: max(1, int(fps / _ASKED))], frames[-1:])
@@ -147,7 +157,7 @@ def run_windows(
         )
         for low in range(0, len(asked), _CHUNK)
     ]
-    found = angles.turn(np.concatenate(answers), head)
+    found = predictor.outputs.turned(np.concatenate(answers), head)
     vectors = np.stack([np.interp(frames, asked, found[:, axis]) for axis in range(2)], axis=-1)
     if predictor.causal:
         vectors = _lagging(vectors, predictor.smoothing * fps)
@@ -155,20 +165,44 @@ def run_windows(
         vectors = filters.gaussian(vectors, predictor.smoothing * fps)
     certainty = np.clip(np.linalg.norm(vectors, axis=-1), 0.05, 0.999)
     # deviation of a wrapped normal distribution whose mean vector has this length
-    return BodyEstimate(np.unwrap(angles.yaw_of(vectors)), np.sqrt(-2.0 * np.log(certainty)))
+    yaws, doubt = np.unwrap(angles.yaw_of(vectors)), np.sqrt(-2.0 * np.log(certainty))
+    if predictor.parts == (YAW,):
+        return BodyEstimate(yaws, doubt)
+    rows = found if len(asked) == len(frames) else _between(asked, found, frames)
+    return read_rows(predictor.outputs, predictor.outputs.turned(rows, -yaws), yaws, doubt)
+
+
+def _between(asked: NDArray[np.intp], rows: Array, frames: NDArray[np.intp]) -> Array:
+    """Rows `(N, D)` at the frames `asked`, carried to all frames by cubic Hermite polynomials.
+
+    Feet swing too fast for straight lines between answers.
+    """
+    if len(asked) < 3:
+        columns: list[Array] = [np.interp(frames, asked, rows[:, n]) for n in range(rows.shape[1])]
+        return np.stack(columns, axis=-1)
+    slopes = np.gradient(rows, asked, axis=0)
+    low = np.minimum(np.searchsorted(asked, frames, side="right") - 1, len(asked) - 2)
+    width = (asked[low + 1] - asked[low])[:, None]
+    t = (frames - asked[low])[:, None] / width
+    first, second = rows[low], rows[low + 1]
+    ease = t * t * (3.0 - 2.0 * t)
+    bend = t * (1.0 - t) * width
+    return first + ease * (second - first) + bend * ((1.0 - t) * slopes[low] - t * slopes[low + 1])
 
 
 def answer_windows(
     predictor: Predictor, layout: WindowLayout, windows: NDArray[np.float32], frame_yaws: Array
 ) -> Array:
-    """The mean answer `(N, 2)`, ground vectors in axes turned to `frame_yaws`, of the predictor's networks.
+    """The mean answer `(N, D)` in axes turned to `frame_yaws`, of the predictor's networks (see `parts.Outputs`).
 
     Each is asked twice, about the window and about its mirror image, so that none prefers a side.
     """
     inputs = window_inputs(windows, frame_yaws, layout)
     pair = [predictor.scaler.apply(x).astype(np.float32) for x in (inputs, mirror_inputs(inputs, layout))]
-    across = np.array([-1.0, 1.0])
-    answers = [network.forward(pair[0]) + across * network.forward(pair[1]) for network in predictor.networks]
+    mirrored = predictor.outputs.mirrored
+    answers = [
+        network.forward(pair[0]) + mirrored(network.forward(pair[1])) for network in predictor.networks
+    ]
     return 0.5 * np.mean(answers, axis=0)
 
 

@@ -20,12 +20,16 @@ from ..core.npz import Npz, open_npz, write_npz
 from ..core.transaction import Transaction, write_atomically
 from .inputs import INPUTS, Scaler
 from .network import Network
+from .parts import ALL, YAW, Outputs, are_parts, outputs_of
 from .windows import WindowLayout
 
 Array = NDArray[np.floating[Any]]
 
 FORMAT = "footwork-predictor"
-SCHEMA = 1
+SCHEMA = 2
+"""1 knew the yaw alone."""
+_HALF = 65504.0
+"""The largest number of half precision."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,6 +46,13 @@ class Predictor:
     filter."""
     provenance: Mapping[str, Any]
     """JSON-ready: takes with SHA-256 and licence, seed, iterations, losses, errors."""
+    parts: tuple[str, ...] = (YAW,)
+    """What it answers, in the order of its outputs (see `parts.outputs_of`)."""
+
+    @property
+    def outputs(self) -> Outputs:
+        """Where each part lies in an answer of a window network."""
+        return outputs_of(self.parts)
 
     @property
     def kind(self) -> str:
@@ -66,7 +77,7 @@ def save_predictor(
     arrays: dict[str, Any] = {"mean": predictor.scaler.mean, "deviation": predictor.scaler.deviation}
     for n, network in enumerate(predictor.networks):
         for layer, (weight, bias) in enumerate(zip(network.weights, network.biases, strict=True)):
-            arrays[f"weight_{n}_{layer}"], arrays[f"bias_{n}_{layer}"] = weight, bias
+            arrays[f"weight_{n}_{layer}"], arrays[f"bias_{n}_{layer}"] = _short(weight), _short(bias)
     layout = predictor.layout
     if layout is not None:
         arrays["offsets"] = layout.offsets
@@ -76,6 +87,7 @@ def save_predictor(
         "name": predictor.name,
         "kind": predictor.kind,
         "causal": predictor.causal,
+        "parts": list(predictor.parts),
         "rotations_every": 0 if layout is None else layout.rotations_every,
         "sizes": [list(network.sizes) for network in predictor.networks],
         "smoothing": predictor.smoothing,
@@ -83,6 +95,12 @@ def save_predictor(
     }
     text = np.frombuffer(to_json(header, sort_keys=True).encode(), dtype=np.uint8)
     write_atomically(path, lambda file: write_npz(file, {"header": text, **arrays}, compressed=True), outputs)
+
+
+def _short(array: Array) -> Array:
+    """The same numbers in half the bytes, where those hold them exactly."""
+    half = np.clip(array, -_HALF, _HALF).astype(np.float16)
+    return half if np.array_equal(half.astype(np.float32), array) else array
 
 
 def read_predictor(path: str | os.PathLike[str]) -> Predictor:
@@ -106,7 +124,8 @@ def _from_arrays(arrays: Npz, path: str) -> Predictor:
     header = _header(arrays, path)
     recurrent = header["kind"] == "recurrent"
     layout = None if recurrent else _layout(arrays, header, path)
-    inputs, outputs = (INPUTS, 6) if layout is None else (layout.inputs, 2)
+    parts = tuple(header["parts"])
+    inputs, outputs = (INPUTS, 6) if layout is None else (layout.inputs, outputs_of(parts).size)
     networks: list[Network] = []
     for n, sizes in enumerate(header["sizes"]):
         if sizes[0] != inputs or sizes[-1] != outputs:
@@ -135,6 +154,7 @@ def _from_arrays(arrays: Npz, path: str) -> Predictor:
         layout=layout,
         smoothing=float(header["smoothing"]),
         provenance=header["provenance"],
+        parts=parts,
     )
 
 
@@ -152,6 +172,8 @@ def _header(arrays: Npz, path: str) -> dict[str, Any]:
         raise _damaged(path, "its schema number is missing")
     if schema > SCHEMA:
         raise InputError(f"{path}: has schema {schema}, newer than {SCHEMA}; update Footwork to use it")
+    header.setdefault("parts", [YAW])
+    _check_parts(header["parts"], path)
     fine = (
         header.get("kind") in ("recurrent", "window")
         and isinstance(header.get("rotations_every"), int)
@@ -164,6 +186,17 @@ def _header(arrays: Npz, path: str) -> dict[str, Any]:
     if not fine:
         raise _damaged(path, "its description is incomplete")
     return header
+
+
+def _check_parts(parts: Any, path: str) -> None:
+    if not isinstance(parts, list) or not all(isinstance(name, str) for name in cast(list[Any], parts)):
+        raise _damaged(path, "its list of parts is missing")
+    names = cast(list[str], parts)
+    unknown = [name for name in names if name not in ALL]
+    if unknown:
+        raise _damaged(path, f"it answers {unknown[0][:40]!r}, which is no part of a body ({', '.join(ALL)})")
+    if not are_parts(names):
+        raise _damaged(path, "its parts do not begin with the yaw, or one comes twice")
 
 
 def _is_provenance(value: Any) -> bool:

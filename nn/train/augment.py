@@ -52,11 +52,16 @@ class Augmentation:
     """Probability for each hand that it is lost: for all of the window, or from or to a random moment."""
 
 
-def mix_hands(windows: Float, yaws: Array, how: Augmentation, rng: np.random.Generator) -> Float:
+def mix_hands(
+    windows: Float, yaws: Array, how: Augmentation, rng: np.random.Generator
+) -> tuple[Float, NDArray[np.intp]]:
     """Windows `(N, S, 31)` in which some hands do what that hand did in another window.
 
     A hand is moved with the body: from the head, in the axes of the body's true yaws `(N, S)` in radians. So
     a hand that waves says nothing of where the other one is.
+
+    Returns:
+        The windows, and from which one each hand comes `(N, 2)`.
     """
     count, samples = windows.shape[:2]
     out = windows.copy()
@@ -64,18 +69,22 @@ def mix_hands(windows: Float, yaws: Array, how: Augmentation, rng: np.random.Gen
     turn = yaws - yaws[other]
     places = windows[..., POSITIONS].reshape(count, samples, 3, 3)
     columns = windows[..., ROTATIONS].reshape(count, samples, 3, 2, 3)
+    source: NDArray[np.intp] = np.repeat(np.arange(count, dtype=np.intp)[:, None], 2, axis=1)
     for hand in (1, 2):
         chosen = rng.random((count,)) < how.mix
         to = np.flatnonzero(chosen)
+        source[to, hand - 1] = other[to]
         reach = (places[:, :, hand] - places[:, :, 0])[:, :, None]
         vectors = np.concatenate([reach, columns[:, :, hand]], axis=2)[other[to]]
         vectors[..., :2] = angles.turn(vectors[..., :2], turn[to][..., None])
         out[to, :, 3 * hand : 3 * hand + 3] = places[to, :, 0] + vectors[:, :, 0]
         out[to, :, 9 + 6 * hand : 15 + 6 * hand] = vectors[:, :, 1:].reshape(len(to), samples, 6)
-    return out
+    return out, source
 
 
-def augment(windows: Float, offsets: Array, how: Augmentation, rng: np.random.Generator) -> Float:
+def augment(
+    windows: Float, offsets: Array, how: Augmentation, rng: np.random.Generator
+) -> tuple[Float, Float, Float]:
     """Altered copies of windows `(N, S, 31)`; the body's true yaw stays what it was.
 
     Args:
@@ -83,18 +92,23 @@ def augment(windows: Float, offsets: Array, how: Augmentation, rng: np.random.Ge
         offsets: `(S,)` seconds of the samples, for what changes within a window.
         how: the strengths.
         rng: the source of chance.
+
+    Returns:
+        The windows; how much larger each body is `(N,)`; how far the point taken for its head joint lies from that
+        joint at the moment itself `(N, 3)`, in the world's axes.
     """
     windows = windows.copy()
     count, samples = windows.shape[:2]
-    windows[..., POSITIONS] *= rng.normal(1.0, how.size, (count, 1, 1)).astype(np.float32)
+    size = rng.normal(1.0, how.size, (count, 1, 1)).astype(np.float32)
+    windows[..., POSITIONS] *= size
     windows[..., POSITIONS] += np.float32(how.noise) * _normal((count, samples, 9), rng)
     matrices = _matrices(windows)
     _turn(windows, matrices, offsets, how, rng)
-    matrices = _remount(windows, matrices, how, rng)
+    matrices, moved = _remount(windows, matrices, how, rng)
     windows[..., ROTATIONS] = np.moveaxis(matrices[..., :2], (1, 4), (2, 3)).reshape(count, samples, 18)
     windows[..., ROTATIONS] += np.float32(how.noise_turn) * _normal((count, samples, 18), rng)
     _lose(windows, offsets, how.lost, rng)
-    return windows
+    return windows, size[:, 0, 0], moved[:, int(np.argmin(np.abs(offsets)))]
 
 
 def _normal(shape: tuple[int, ...], rng: np.random.Generator) -> Float:
@@ -114,8 +128,13 @@ def _matrices(windows: Float) -> Float:
     return out
 
 
-def _remount(windows: Float, matrices: Float, how: Augmentation, rng: np.random.Generator) -> Float:
-    """Fix the devices a little otherwise to head and hands, one way for the whole of each window."""
+def _remount(
+    windows: Float, matrices: Float, how: Augmentation, rng: np.random.Generator
+) -> tuple[Float, Float]:
+    """Fix the devices a little otherwise to head and hands, one way for the whole of each window.
+
+    Returns the new rotations, and how far the head's point moved `(N, S, 3)`.
+    """
     count, _, samples = matrices.shape[:3]
     turn = np.array([how.headset_turn, how.grip_turn, how.grip_turn])[:, None]
     place = np.array([how.headset, how.grip, how.grip])[:, None]
@@ -130,7 +149,7 @@ def _remount(windows: Float, matrices: Float, how: Augmentation, rng: np.random.
     # where the headset looks straight up or down its projected forward says nothing: keep what the heading
     # said
     windows[..., FACING] = np.where(length > 0.15, forward / np.maximum(length, 0.15), windows[..., FACING])
-    return moved[..., :3]
+    return moved[..., :3], moved[:, 0, ..., 3]
 
 
 def _turn(

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ...core.errors import InputError
 from ..inputs import INPUTS, Scaler
 from ..network import Network
+from ..parts import EVERYTHING
 from ..settings import TrainSettings
 from ..weights import Predictor
 from ..windows import CAUSAL, LOOK_AHEAD
@@ -100,7 +101,7 @@ def _window(
 
     layout = CAUSAL if settings.kind == "causal" else LOOK_AHEAD
     hidden = (settings.hidden, -(-settings.hidden // 2)) if settings.hidden else WINDOW_HIDDEN
-    _check_sizes(start, (layout.inputs, *hidden, 2))
+    _check_sizes(start, (layout.inputs, *hidden, EVERYTHING.size))
     batch = settings.batch or 512
     steps = max(1, sum(len(sample) for sample in samples) // batch) * (settings.epochs or 15)
     learner = WindowLearner(

@@ -1,4 +1,4 @@
-"""Takes as training and evaluation material: what the trackers see, and where the body truly faces."""
+"""Takes as training and evaluation material: what the trackers see, and where the body truly is."""
 
 from __future__ import annotations
 
@@ -10,11 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.body.edit import cut, resample
-from ...core.database.virtual_root import virtual_root
+from ...core.evaluation.true_estimate import true_estimate
 from ...core.mocap.take import Take
 from ...core.recording.simulate import simulate_recording
 from ...core.recording.targets import joint_targets
 from ..inputs import RATE
+from ..parts import true_rows
 from ..predictor import head_height
 from .curation import curate
 
@@ -33,6 +34,8 @@ class Sample:
     yaws: Array
     """`(T,)` the body's true yaw, radians."""
     head_height: float
+    truth: Array
+    """`(T, D)` the whole body in its own axes, as a perfect network would answer (`parts.true_rows`)."""
 
     def __len__(self) -> int:
         return len(self.yaws)
@@ -49,6 +52,8 @@ def samples_of(takes: Sequence[Take]) -> tuple[list[Sample], list[str]]:
             motion = resample(cut(take.motion, start, stop), RATE)
             recording = simulate_recording(motion, take.name)
             positions, rotations = joint_targets(recording)
-            _, yaws = virtual_root(motion)
-            samples.append(Sample(take.name, positions, rotations, yaws, head_height(recording)))
+            height = head_height(recording)
+            body = true_estimate(motion, height)
+            truth = true_rows(body).astype(np.float32)
+            samples.append(Sample(take.name, positions, rotations, body.yaws, height, truth))
     return samples, notes

@@ -10,6 +10,7 @@ from dataclasses import fields
 import numpy as np
 import pytest
 from footwork.core.maths import quat
+from footwork.nn.parts import EVERYTHING
 from footwork.nn.train.augment import Augmentation
 from footwork.nn.train.samples import Sample
 from footwork.nn.windows import (
@@ -44,7 +45,8 @@ def samples(tumble) -> list[Sample]:
         positions = place + [0.0, 0.0, 1.5] + 0.5 * np.sin(rate * times + phase)
         rotations = tumble(frames, RATE, count=3, seed=20 + k)
         yaws = rng.uniform(-3.0, 3.0) + np.cumsum(rng.normal(0.0, 0.05, frames))
-        out.append(Sample(f"take {k}", positions, rotations, yaws, 1.4 + 0.13 * k))
+        truth = rng.normal(size=(frames, EVERYTHING.size)).astype(np.float32)
+        out.append(Sample(f"take {k}", positions, rotations, yaws, 1.4 + 0.13 * k, truth))
     return out
 
 
@@ -58,7 +60,7 @@ def truths(samples: Sequence[Sample], layout: WindowLayout) -> tuple[np.ndarray,
         windows = take_windows(rows, np.arange(len(sample)) / RATE, RATE, layout)
         for axes in (sample.yaws, quat.heading(sample.rotations[:, 0])):
             inputs.append(window_inputs(windows, axes, layout))
-            answers.append(np.stack([-np.sin(sample.yaws - axes), np.cos(sample.yaws - axes)], axis=-1))
+            answers.append(EVERYTHING.turned(sample.truth, sample.yaws - axes))
     return np.concatenate(inputs), np.concatenate(answers)
 
 
@@ -84,7 +86,7 @@ def test_every_window_is_one_of_a_single_take(samples: list[Sample], layout: Win
     seen: list[int] = []
     for half, image in ((slice(0, 1500), False), (slice(1500, 3000), True)):
         given = mirror_inputs(drawn[half], layout) if image else drawn[half]
-        wanted = answers[half] * [-1.0, 1.0] if image else answers[half]
+        wanted = EVERYTHING.mirrored(answers[half]) if image else answers[half]
         near = np.array([np.argmin(np.abs(known - row).max(axis=-1)) for row in given])
         assert np.abs(known[near] - given).max() < 1e-4
         np.testing.assert_allclose(right[near], wanted, atol=1e-3)
@@ -107,6 +109,7 @@ def test_windows_that_run_quicker_or_slower_stay_in_their_take(tumble) -> None:
             np.repeat(tumble(1, count=3, seed=k), 40, axis=0),
             np.full(40, 0.3 * k),
             1.6,
+            np.zeros((40, EVERYTHING.size), np.float32),
         )
         for k in range(5)
     ]
