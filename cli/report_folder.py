@@ -34,6 +34,6 @@ def write_folder(folder: Path, report: Report, plots: dict[str, list[Any]], outp
             target = folder / f"{Path(name).stem}{f'-{i + 1}' if len(drawn) > 1 else ''}.png"
             outputs.write(target, lambda file, png=png: file.write(png))
     for name, text in ((PAGE, page(report, figures, notes)), (REPORT, report_text(report))):
-        outputs.write(folder / name, lambda file, text=text: file.write(text.encode()))
+        outputs.write(folder / name, lambda file, text=text: file.write(text.encode(errors="replace")))
     place = folder / PAGE
     outputs.afterwards(lambda: tell(f"{place} written"))

@@ -105,8 +105,9 @@ def bake(
     clock.lap("orientation")
 
     scales = _scales(recording, databases, fit.skeleton, settings)
-    # the search works on the database's own body size
-    sized = replace(settings, alpha=settings.alpha * scales.size * scales.database / scales.rig)
+    # the search works on the database's own body size; alpha bounds metres of the rig, however large it is
+    alpha = settings.alpha * min(scales.size, 1.0)
+    sized = replace(settings, alpha=alpha * scales.database / scales.rig)
     playback = yield from part(_match(recording, estimate.yaws, databases, sized, scales.database), 0.05, 0.6)
     clock.lap("search")
 

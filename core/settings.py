@@ -104,7 +104,7 @@ class BakeSettings:
     alpha: float = setting(
         0.3,
         "Position Accuracy",
-        "Alpha: the root of the matched motion never leaves its target by more than this, on a body of 1.7 m",
+        "Alpha: the root of the matched motion never leaves its target by more than this; by less on a small rig",
         low=0.01,
         high=2.0,
         unit="m",

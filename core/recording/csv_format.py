@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..bounds import EYE_HEIGHT, FARTHEST
-from ..errors import InputError
+from ..errors import InputError, one_line
 from ..maths import quat
 from ..transaction import Transaction, write_atomically
 from .mounts import DEVICE_MOUNTS
@@ -36,7 +36,7 @@ def write_csv(path: str | os.PathLike[str], recording: Recording, outputs: Trans
     """
     lines = [
         f"{_MAGIC}{_VERSION}",
-        f"# name: {' '.join(recording.name.split())}",
+        f"# name: {one_line(' '.join(recording.name.split()))}",
         f"# eye_height: {recording.eye_height!r}",
         *(
             f"# mount_{tracker}: {' '.join(repr(float(x)) for x in (*offset, *turn))}"

@@ -74,8 +74,8 @@ def bumps(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return heights, slopes / np.linalg.norm(slopes, axis=-1, keepdims=True)
 
 
-@pytest.mark.parametrize("size", SIZES)
-@pytest.mark.parametrize("alpha", [0.05, 0.3])
+# alpha bounds a giant's root in metres, so that only one that does not bind moves it alike
+@pytest.mark.parametrize(("size", "alpha"), [(0.3, 0.05), (0.61, 0.05), (0.3, 0.3), (0.61, 0.3), (1.76, 1.0)])
 def test_the_same_movement_at_every_size(user, walking, size: float, alpha: float) -> None:
     usual, other = (baked(user, walking, factor, alpha=alpha) for factor in (1.0, size))
     apart = quat.multiply(quat.conjugate(usual.tracks.rotations), other.tracks.rotations)

@@ -22,7 +22,7 @@ from footwork.core.jobs import run
 from footwork.core.maths import quat
 from footwork.core.mocap.demo import demo_motion
 from footwork.core.mocap.take import Take
-from footwork.core.pipeline import BakeResult, bake, scale_motion
+from footwork.core.pipeline import BakeResult, bake, scale_motion, scale_skeleton
 from footwork.core.recording.body_estimate import BodyEstimate
 from footwork.core.recording.mounts import DEVICE_MOUNTS
 from footwork.core.recording.recording import Recording
@@ -198,17 +198,19 @@ def test_with_the_papers_target_it_is_the_head_to_the_millimetre(
 
 @pytest.mark.parametrize("settings", [SETTINGS, PAPER], ids=["path", "paper"])
 @pytest.mark.parametrize("alpha", [0.03, 0.07])
-def test_alpha_is_metres_of_a_body_of_a_usual_size(
-    user, walking, crouching, rig_body, sizes, settings, alpha: float
+@pytest.mark.parametrize("size", [0.5, 1.0, 1.6])
+def test_alpha_is_metres_of_the_rig_and_less_on_small_ones(
+    user, walking, crouching, rig_body, sizes, settings, alpha: float, size: float
 ) -> None:
-    found = baked(user, [walking, crouching], rig_body, replace(settings, alpha=alpha))
+    body = scale_skeleton(rig_body, size)
+    found = baked(user, [walking, crouching], body, replace(settings, alpha=alpha))
     playback = found.playback
-    away = distances(playback.root_positions, playback.target_positions) * 1.54 / sizes.people
-    assert away.max() <= alpha + 1e-9
+    away = distances(playback.root_positions, playback.target_positions) * size * sizes.from_people
+    most = alpha * min(size * sizes.rig / 1.54, 1.0)
+    assert away.max() <= most + 1e-9
     assert playback.clamped.mean() > 0.02
-    np.testing.assert_allclose(away[playback.clamped], alpha, atol=1e-9)
-    # figures are the rig's
-    most = 100.0 * alpha * sizes.rig / 1.54
+    np.testing.assert_allclose(away[playback.clamped], most, atol=1e-9)
+    most *= 100.0
     assert found.report["metrics"]["matched_root_error_cm"]["max"] == pytest.approx(most)
     assert found.report["settings"]["alpha"] == alpha
 
