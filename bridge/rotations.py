@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.maths import quat
-from ..core.maths.angles import wrap
+from ..core.maths.angles import arctan2, wrap
 
 Array = NDArray[np.floating[Any]]
 
@@ -58,5 +58,5 @@ def axis_angle(rotations: Array) -> Array:
     axis = np.broadcast_to(axis, vector.shape)
     flips = np.cumsum(np.sum(axis[1:] * axis[:-1], axis=-1) < 0.0) % 2
     axis = axis * np.concatenate([[1.0], 1.0 - 2.0 * flips])[:, None]
-    angle = np.unwrap(2.0 * np.arctan2(np.sum(vector * axis, axis=-1), rotations[:, 0]))
+    angle = np.unwrap(2.0 * arctan2(np.sum(vector * axis, axis=-1), rotations[:, 0]))
     return np.concatenate([angle[:, None], axis], axis=-1)

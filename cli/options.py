@@ -30,14 +30,15 @@ class OutputPath(str):
     """The `type` of arguments that name a file to write, or "-"."""
 
     suffix = ""
+    beside: tuple[str, ...] = ()
 
     @staticmethod
-    def to(suffix: str) -> Callable[[str], OutputPath]:
-        """For files that can only be of one kind."""
+    def to(suffix: str, *beside: str) -> Callable[[str], OutputPath]:
+        """For files that can only be of one kind; `beside` are the endings that files written next to it add."""
 
         def make(text: str) -> OutputPath:
             path = OutputPath(text)
-            path.suffix = suffix
+            path.suffix, path.beside = suffix, beside
             return path
 
         return make
@@ -48,7 +49,7 @@ class OutputPath(str):
             return []
         if self.suffix and Path(self).suffix.lower() != self.suffix:
             raise InputError(f"{self}: cannot write this kind of file; let its name end in {self.suffix}")
-        return [str(self)]
+        return [str(self), *(f"{self}{ending}" for ending in self.beside)]
 
 
 class OutputFolder(str):
@@ -84,9 +85,12 @@ def add_database(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def add_output(parser: argparse.ArgumentParser, metavar: str, help: str) -> None:
-    """The option for the one file that a verb must write; the end of `metavar` is its kind."""
-    kind = OutputPath.to(Path(metavar).suffix)
+def add_output(parser: argparse.ArgumentParser, metavar: str, help: str, *beside: str) -> None:
+    """The option for the one file that a verb must write; the end of `metavar` is its kind.
+
+    `beside` are the endings that the names of files written next to it add to its own.
+    """
+    kind = OutputPath.to(Path(metavar).suffix, *beside)
     parser.add_argument("-o", "--output", type=kind, required=True, metavar=metavar, help=help)
 
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ..core.transaction import Transaction
-from ..nn.settings import TrainSettings
+from ..nn.settings import CHECKPOINT, TrainSettings
 from .common import drawing, each, load_takes, run, say
 from .options import InputPath, OutputPath, add_output, add_settings, read_settings
 from .verb import Report, Verb
@@ -18,7 +18,7 @@ LOST = {"none": (), "left": ("left",), "right": ("right",), "both": ("left", "ri
 
 def _add_train(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("takes", type=InputPath, nargs="+", metavar="TAKE", help="BVH takes")
-    add_output(parser, "P.npz", "the weights to write")
+    add_output(parser, "P.npz", "the weights to write", CHECKPOINT)
     add_settings(parser, TrainSettings)
 
 

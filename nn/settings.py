@@ -6,6 +6,9 @@ from dataclasses import dataclass
 
 from ..core.settings import setting
 
+CHECKPOINT = ".training"
+"""What the name of a checkpoint adds to that of the weights beside which it lies."""
+
 
 @dataclass(frozen=True, slots=True)
 class TrainSettings:

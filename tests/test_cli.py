@@ -300,6 +300,55 @@ def test_bake_with_a_bad_rig_writes_nothing(tmp_path: Path, walk: Path, visit: P
     assert [path.name for path in tmp_path.iterdir()] == ["rig.fbx"]
 
 
+@pytest.mark.skipif(not WITH_BPY, reason="bpy is not installed as a module")
+def test_scripts_and_drivers_of_files_from_outside_do_not_run(
+    tmp_path: Path, walk: Path, visit: Path
+) -> None:
+    """One that runs when its file is opened, and drivers, in the file of the rig and in that of the ground."""
+    make = """
+import bpy, os, sys
+from pathlib import Path
+folder = Path(sys.argv[1])
+bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+def poison(obj, name):
+    text = bpy.data.texts.new(name + ".py")
+    text.write(f"open({str(folder / ('script-' + name))!r}, 'w')")
+    text.use_module = True
+    driver = obj.driver_add("hide_render").driver
+    driver.expression = f"(lambda: open({str(folder / ('driver-' + name))!r}, 'w') and 0)()"
+from footwork.bridge.armature import create_armature
+from footwork.core.mocap.demo import demo_skeleton
+from footwork.core.rig.fit import rig_from_skeleton
+rig = create_armature(rig_from_skeleton(demo_skeleton(), "Rig"), "Rig", bpy.context.scene.collection)
+poison(rig, "rig")
+bpy.ops.wm.save_as_mainfile(filepath=str(folder / "rig.blend"))
+bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+bpy.ops.mesh.primitive_plane_add(size=40)
+bpy.context.object.name = "Stage"
+poison(bpy.context.object, "ground")
+bpy.ops.wm.save_as_mainfile(filepath=str(folder / "ground.blend"))
+os._exit(0)  # Blender may hang at its end once a driver has failed
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", make, str(tmp_path)], capture_output=True, text=True, timeout=300, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    # a file that trusts them does run both
+    trusting = "import bpy, os, sys; bpy.context.preferences.filepaths.use_scripts_auto_execute = True;"
+    trusting += "bpy.ops.wm.open_mainfile(filepath=sys.argv[1], use_scripts=True); os._exit(0)"
+    for name in ("rig", "ground"):
+        command = [sys.executable, "-c", trusting, str(tmp_path / f"{name}.blend")]
+        subprocess.run(command, capture_output=True, check=True, timeout=300)
+        for kind in ("script", "driver"):
+            (tmp_path / f"{kind}-{name}").unlink()
+    command = [sys.executable, "-m", "footwork", "bake", str(visit), "--database", str(walk), "--to", "2"]
+    command += ["--rig", f"{tmp_path / 'rig.blend'}:Rig", "--ground", f"{tmp_path / 'ground.blend'}:Stage"]
+    command += ["-o", str(tmp_path / "baked.blend")]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+    assert done.returncode == 0, done.stderr
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["baked.blend", "ground.blend", "rig.blend"]
+
+
 def test_bake_stands_on_the_ground_of_a_blend(tmp_path: Path, walk: Path, visit: Path) -> None:
     scene = tmp_path / "set.blend"
     make = (

@@ -169,6 +169,39 @@ def test_a_bake_that_is_killed_or_full_leaves_the_old_files(tmp_path: Path, made
         assert snapshot(tmp_path) == before
 
 
+TRAIN = "train-predictor take.bvh -o out/p.npz --epochs 1 --keep-worse --json out/r.json"
+
+
+def test_a_training_that_is_killed_or_full_leaves_the_old_files(
+    tmp_path: Path, made: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its checkpoint alone may be there as well, whole: it is what a training goes on from."""
+    pytest.importorskip("torch")
+    monkeypatch.setenv("OMP_NUM_THREADS", "1")
+    fill(TRAIN, tmp_path)
+    before = snapshot(tmp_path)
+    arguments = command(TRAIN, made, tmp_path)
+    rounds = [(str(int(number)), at) for number in (signal.SIGKILL, signal.SIGTERM) for at in (3, 8)]
+    for how, at in (*rounds, ("full", 8), ("limit", 2_000)):
+        done = run_driver(how, at, arguments)
+        recover(tmp_path)
+        now = snapshot(tmp_path)
+        checkpoint = now.pop("p.npz.training", None)
+        if done.returncode == 0:
+            assert checkpoint is None and all(now[name] != before[name] for name in before)
+            shutil.rmtree(tmp_path)
+            tmp_path.mkdir()
+            fill(TRAIN, tmp_path)
+            continue
+        assert done.returncode == (-signal.SIGKILL if how == str(int(signal.SIGKILL)) else 2), done.stderr
+        assert now == before, (how, at)
+        if checkpoint is not None:
+            assert main([*arguments, "--resume"]) == 0
+            now = snapshot(tmp_path)
+            assert sorted(now) == sorted(before) and all(now[name] != before[name] for name in before)
+            fill(TRAIN, tmp_path)
+
+
 def check_signals(
     folder: Path, arguments: list[str], text: str, number: signal.Signals, steps: tuple[int, ...]
 ) -> None:
@@ -234,6 +267,7 @@ def test_no_verb_overwrites_an_input(
 ) -> None:
     shutil.copytree(made, tmp_path / "in")
     (tmp_path / "in" / "headset").mkdir()
+    shutil.copy(made / "take.bvh", tmp_path / "in" / "p.npz.training")
     monkeypatch.chdir(tmp_path / "in")
     (tmp_path / "folder").symlink_to("in")
     before = snapshot(tmp_path)
@@ -249,6 +283,7 @@ def test_no_verb_overwrites_an_input(
         "bake r.csv --database db.npz --ground b.blend -o b.blend",
         "bake r.csv --database db.npz -o c.blend --export r.csv",
         "compare-reports report.json report.json --json report.json",
+        "train-predictor p.npz.training -o p.npz",
     ):
         assert main(text.split()) == 2, text
         (line,) = capsys.readouterr().err.splitlines()

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from ..maths import filters, quat
+from ..maths import angles, filters, quat
 from ..maths.vectors import dot, level, norm, unit
 
 Array = NDArray[np.floating[Any]]
@@ -65,7 +65,7 @@ class Pitch:
         """
         w = hips - toes
         along, up = dot(w, self.back), w[..., 2]
-        angle = np.clip(np.arctan2(up, along), self.angle, self.angle + _EASY)
+        angle = np.clip(angles.arctan2(up, along), self.angle, self.angle + _EASY)
         meeting = self.radius * (along * np.cos(angle) + up * np.sin(angle))
         meeting += dot(w, self.right) * self.aside
         square = dot(w, w) + self.radius**2 + self.aside**2 - 2.0 * meeting
@@ -88,7 +88,7 @@ class Pitch:
         across = dot(w, self.right) * self.aside
         needed = dot(w, w) + self.radius**2 + self.aside**2 - length**2 - 2.0 * across
         cosine = needed / np.maximum(2.0 * self.radius * np.hypot(along, up), 1e-9)
-        return np.arctan2(up, along) - np.arccos(np.clip(cosine, -1.0, 1.0))
+        return angles.arctan2(up, along) - np.arccos(np.clip(cosine, -1.0, 1.0))
 
 
 def pitch_of(rotations: Array, foot_to_toe: Array) -> Pitch:
@@ -102,7 +102,9 @@ def pitch_of(rotations: Array, foot_to_toe: Array) -> Pitch:
     right = unit(level(quat.rotate(rotations, np.array([1.0, 0.0, 0.0]))))
     back = np.stack([right[:, 1], -right[:, 0], np.zeros(len(right))], axis=-1)
     behind = dot(away, back)
-    return Pitch(back, right, np.arctan2(away[:, 2], behind), np.hypot(behind, away[:, 2]), dot(away, right))
+    return Pitch(
+        back, right, angles.arctan2(away[:, 2], behind), np.hypot(behind, away[:, 2]), dot(away, right)
+    )
 
 
 def relaxed(length: float) -> float:
@@ -167,7 +169,7 @@ def raise_tip(rotations: Array, tip: Array, heights: Array, rest_height: float) 
     along = dot(end, forward)
     lowest = max(rest_height + float(tip[2]), 0.0) - heights
     needed = np.arcsin(np.clip(lowest / np.maximum(np.hypot(along, end[:, 2]), 1e-9), -1.0, 1.0))
-    lift = np.maximum(needed - np.arctan2(end[:, 2], along), 0.0)
+    lift = np.maximum(needed - angles.arctan2(end[:, 2], along), 0.0)
     return quat.multiply(quat.from_rotation_vector(right * lift[:, None]), rotations)
 
 
@@ -181,7 +183,7 @@ def _least_pitch(foot_to_toe: Array, rest_height: float, heights: Array) -> Arra
     _, back, up = foot_to_toe
     reach = heel_behind(foot_to_toe)
     sine = np.clip(-heights / max(float(np.hypot(reach, rest_height)), 1e-9), -1.0, 1.0)
-    return np.arctan2(-up, back) + np.arcsin(sine) + np.arctan2(rest_height, reach)
+    return angles.arctan2(-up, back) + np.arcsin(sine) + angles.arctan2(rest_height, reach)
 
 
 def smooth_peaks(values: Array, sigma: float) -> Array:

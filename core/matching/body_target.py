@@ -61,7 +61,9 @@ def body_targets(
 def _fit(inputs: Array, outputs: Array, tremor: Array) -> Array:
     """Coefficients of a ridge regression through the origin."""
     count = len(inputs)
-    return np.linalg.solve(inputs.T @ inputs / count + np.diag(tremor**2), inputs.T @ outputs / count)
+    # no BLAS product, which rounds by the number of threads where it is large
+    squares, products = np.einsum("ti,tj->ij", inputs, inputs), np.einsum("ti,t->i", inputs, outputs)
+    return np.linalg.solve(squares / count + np.diag(tremor**2), products / count)
 
 
 def _head_in_root_space(database: MotionDatabase, rows: slice) -> tuple[Array, Array]:

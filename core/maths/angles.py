@@ -21,9 +21,17 @@ def direction(yaw: ArrayLike) -> Array:
     return np.stack([-np.sin(yaw), np.cos(yaw)], axis=-1)
 
 
+def arctan2(y: ArrayLike, x: ArrayLike) -> Array:
+    """numpy's, the same to the last bit wherever its operands lie in memory.
+
+    Of slices numpy works out either the vectorised or the C library's arc tangent, by what their memory is next to.
+    """
+    return np.arctan2(np.asarray(y, order="C"), np.asarray(x, order="C"))
+
+
 def yaw_of(vector: Array) -> Array:
     """The yaw in radians `(...)` of ground vectors `(..., 2 or more)`; a zero vector gives 0."""
-    return np.arctan2(-vector[..., 0], vector[..., 1])
+    return arctan2(-vector[..., 0], vector[..., 1])
 
 
 def turn(vector: Array, yaw: ArrayLike) -> Array:

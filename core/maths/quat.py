@@ -15,6 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from . import angles
+
 Array = NDArray[np.floating[Any]]
 
 IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
@@ -98,7 +100,7 @@ def to_rotation_vector(q: Array) -> Array:
     """Rotation vectors `(..., 3)`, angle in [0, pi], of unit quaternions `(..., 4)`."""
     q = np.where(q[..., :1] < 0.0, -q, q)
     sine: Array = np.linalg.norm(q[..., 1:], axis=-1, keepdims=True)
-    angle = 2.0 * np.arctan2(sine, q[..., :1])
+    angle = 2.0 * angles.arctan2(sine, q[..., :1])
     return q[..., 1:] * np.where(sine > 1e-10, angle / np.maximum(sine, 1e-10), 2.0)
 
 
@@ -135,9 +137,11 @@ def to_euler(q: Array, order: str) -> Array:
     middle = np.arcsin(np.clip(sign * m[..., i, k], -1.0, 1.0))
     free = np.abs(m[..., i, k]) < 1.0 - 1e-10
     first = np.where(
-        free, np.arctan2(-sign * m[..., j, k], m[..., k, k]), np.arctan2(sign * m[..., k, j], m[..., j, j])
+        free,
+        angles.arctan2(-sign * m[..., j, k], m[..., k, k]),
+        angles.arctan2(sign * m[..., k, j], m[..., j, j]),
     )
-    last = np.where(free, np.arctan2(-sign * m[..., i, j], m[..., i, i]), 0.0)
+    last = np.where(free, angles.arctan2(-sign * m[..., i, j], m[..., i, i]), 0.0)
     return np.stack([first, middle, last], axis=-1)
 
 
@@ -233,4 +237,4 @@ def heading(q: Array) -> Array:
     up = 2.0 * (x * z + w * y), 2.0 * (y * z - w * x)
     steep, sign = np.abs(forward[2]) > 0.995, -np.sign(forward[2])
     east, north = (np.where(steep, sign * up[i], forward[i]) for i in range(2))
-    return np.arctan2(-east, north)
+    return angles.arctan2(-east, north)

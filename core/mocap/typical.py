@@ -36,7 +36,7 @@ def typical_pose(body: RawBody, fps: float) -> Array | None:
     tilt = 1.0 - torso[:, 2] / np.linalg.norm(torso, axis=-1)
     frames = frames[tilt <= np.quantile(tilt, 0.1) + _UPRIGHT]
     right = positions[frames, body.joint("thigh.R")] - positions[frames, body.joint("thigh.L")]
-    yaw = np.arctan2(right[:, 1], right[:, 0])
+    yaw = angles.arctan2(right[:, 1], right[:, 0])
     out = np.empty((len(body.names), 4))
     out[0] = _mean(quat.multiply(quat.from_yaw(-yaw), body.rotations[frames, 0]))
     feet = {body.joint(f"foot.{side}"): side for side in SIDES}

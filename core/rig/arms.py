@@ -168,7 +168,7 @@ def _twisted(forearm: Array, along: Array, hand: Array) -> Array:
     """The forearm's rotation `(T, 4)` with its share of the hand's twist about `along` `(T, 3)`."""
     axis = unit(along)
     turn = quat.multiply(hand, quat.conjugate(forearm))
-    twist = angles.wrap(2.0 * np.arctan2(dot(turn[:, 1:], axis), turn[:, 0]))
+    twist = angles.wrap(2.0 * angles.arctan2(dot(turn[:, 1:], axis), turn[:, 0]))
     # at half a turn the side of the twist is open: the share fades out lest the forearm flips
     t = np.clip((np.pi - np.abs(twist)) / np.radians(60.0), 0.0, 1.0)
     share = _TWIST_SHARE * smoothstep(t)

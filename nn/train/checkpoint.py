@@ -25,7 +25,7 @@ from ...core.npz import open_npz, write_npz
 from ...core.transaction import write_atomically
 from ..inputs import Scaler
 from ..network import Network
-from ..settings import TrainSettings
+from ..settings import CHECKPOINT, TrainSettings
 
 FORMAT = "footwork-training"
 SCHEMA = 1
@@ -82,7 +82,7 @@ class Checkpoint:
 def checkpoint_path(output: str | os.PathLike[str]) -> Path:
     """Where the checkpoint of a training that writes `output` lies."""
     output = Path(output)
-    return output.with_name(f"{output.name}.training")
+    return output.with_name(f"{output.name}{CHECKPOINT}")
 
 
 def origin_of(settings: TrainSettings, takes: Sequence[Take], held_out: Sequence[Take]) -> dict[str, Any]:
