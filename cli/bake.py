@@ -83,7 +83,8 @@ def _run(options: argparse.Namespace, outputs: Transaction) -> Report:
     with needing("bpy", NO_BPY):
         from ..bridge import load, targets
     from ..bridge import exports
-    from ..core.pipeline import bake, report_in_words
+    from ..core.measure.words import report_in_words
+    from ..core.pipeline import bake
 
     settings = read_settings(options, BakeSettings)
     exports.check_targets(options.export)

@@ -103,7 +103,7 @@ def _run(options: argparse.Namespace, outputs: Transaction) -> Report:
     from ..core.evaluation.evaluate import evaluate_takes
     from ..core.evaluation.experiments import EXPERIMENTS
     from ..core.evaluation.limits import failures, parse_limit
-    from ..core.pipeline import report_in_words
+    from ..core.measure.words import report_in_words
     from ..core.recording.body_estimate import HEADSET
 
     settings = read_settings(options, BakeSettings)

@@ -19,7 +19,7 @@ from .matching.body_target import body_targets
 from .matching.inertialization import assemble
 from .matching.playback import Playback, match
 from .matching.trajectory import make_trajectory
-from .measure.catalogue import METRICS, Values, measure, summarise
+from .measure.catalogue import Values, measure, summarise
 from .measure.series import series
 from .measure.subject import Yardstick, body_of
 from .recording.body_estimate import BodyEstimate, estimate_doubts
@@ -36,7 +36,7 @@ from .settings import BakeSettings, check
 Array = NDArray[np.floating[Any]]
 
 REPORT_FORMAT = "footwork-bake-report"
-REPORT_SCHEMA = 2
+REPORT_SCHEMA = 4
 HEAD_HEIGHT = 1.54
 """Height in metres of the head joint of a body of 1.7 m at ease, for which lengths in settings and in code hold."""
 SMALLEST, LARGEST = 0.3, 3.0
@@ -151,7 +151,6 @@ def bake(
         databases,
         avatar.unreachable,
         scale=scales.rig / scales.database,
-        size=scales.size,
         truth=None if truth is None else scale_motion(truth, scales.rig),
         ground=ground,
         doubt=estimate.doubt,
@@ -243,31 +242,6 @@ def scale_ground(ground: Ground, factor: float) -> Ground:
         return heights * factor, normals
 
     return scaled
-
-
-def report_in_words(report: dict[str, Any]) -> list[str]:
-    """The figures that a person looks at first, line by line."""
-    metrics = report["metrics"]
-    lines = [f"  {'':<38}{'mean':>8}{'p95':>8}{'max':>8}{'floor':>8}"]
-    for name, metric in METRICS.items():
-        if "summary" in metric.tables and name in metrics:
-            row = metrics[name]
-            label = f"{metric.label}, {metric.unit.replace('°', 'degrees')}"
-            floor = f"{row['floor']['mean']:8.2f}" if "floor" in row else ""
-            lines.append(f"  {label:<38}{row['mean']:8.2f}{row['p95']:8.2f}{row['max']:8.2f}{floor}")
-    timing = report["timing_s"]
-    seconds = sum(value for stage, value in timing.items() if stage != "recorded")
-    lines.append(
-        f"  {metrics['transitions_per_s']:.2f} transitions per second, {metrics['poses_used']} poses used, "
-        f"{metrics['clamped_fraction']:.1%} of frames held at alpha, "
-        f"{_share(metrics['unreachable_fraction'])} out of reach"
-    )
-    lines.append(f"  {timing['recorded']:.1f} s recorded, baked in {seconds:.2f} s")
-    return lines + [f"  warning: {warning}" for warning in report["warnings"]]
-
-
-def _share(value: float | None) -> str:
-    return "-" if value is None else f"{value:.1%}"
 
 
 @dataclass(frozen=True, slots=True)

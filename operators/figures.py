@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 
 from ..core.json_text import parse_json, to_json
 from ..core.measure.catalogue import METRICS
-from ..core.measure.metric import Metric
+from ..core.measure.metric import Metric, get
+from ..core.measure.words import NONE, rating
 from ..properties.scene import FOOTWORK_PG_scene, footwork_of
 from .base import FootworkOperator
 
-IN_SHORT = ("root_error_cm", "yaw_error_deg", "foot_skate_cm_s")
+IN_SHORT = ("nsm_skate_cm_s", "shin_jerk_m_s3", "hand_position_error_cm")
 """The metrics of the status bar."""
 
 
@@ -87,17 +88,18 @@ def show(footwork: FOOTWORK_PG_scene, report: dict, title: str, fps: float) -> N
     footwork.figures.clear()
     footwork.figures_of = title
     for metric in shown_in("panel"):
-        figure = metrics.get(metric.name)
-        if figure is None:
-            continue
         row = footwork.figures.add()
         row.name, row.text = metric.heading, metric.says
-        mean = figure["mean"] if isinstance(figure, dict) else figure
-        row.value = metric.text(mean)
-        if isinstance(figure, dict):
-            row.detail = f"95 % within {figure['p95']:.1f}, at most {figure['max']:.1f} {metric.unit}"
-        if metric.limit is not None:
-            row.good = "GOOD" if mean <= metric.limit else "POOR"
+        value = get(metrics, f"{metric.name}.mean" if metric.kind == "distribution" else metric.name)
+        row.value = NONE if value is None else metric.text(value)
+        figure, seconds = metrics.get(metric.name), report["series"].get(metric.name, ())
+        if isinstance(figure, dict) and value is not None:
+            worst = max((second for second in seconds if second is not None), default=value)
+            row.detail = (
+                f"95 % within {figure['p95']:.1f}, at most {figure['max']:.1f}, "
+                f"worst second {worst:.1f} {metric.unit}"
+            )
+        row.good = rating(metric, metrics, seconds)
     for label, value, text in _speed(report):
         row = footwork.figures.add()
         row.name, row.value, row.text = label, value, text
@@ -108,9 +110,9 @@ def in_short(report: dict) -> str:
     """One line of figures for the status bar."""
     metrics = report["metrics"]
     return ", ".join(
-        f"{METRICS[name].heading.lower()} {METRICS[name].text(metrics[name]['mean'])}"
+        f"{METRICS[name].heading.lower()} {METRICS[name].text(value)}"
         for name in IN_SHORT
-        if name in metrics
+        if (value := get(metrics, f"{name}.mean")) is not None
     )
 
 

@@ -26,13 +26,13 @@ def check_report(report: Any) -> dict[str, Any]:
         raise FaultError("has no metrics")
     for name, metric in METRICS.items():
         value = cast(dict[str, Any], metrics).get(name)
-        if metric.kind == "distribution" and value is not None:
+        if metric.kind == "distribution" and value is not None and _schema(found) >= metric.since:
             rows = cast(dict[str, Any], value) if isinstance(value, dict) else {"mean": value}
             wrong = not isinstance(value, dict) or not all(
                 _is_figure(rows.get(key)) for key in ("mean", "p95")
             )
         else:
-            wrong = not _is_figure(value)
+            wrong = metric.kind != "distribution" and not _is_figure(value)
         if wrong:
             raise FaultError(f"its metric {name!r} is not what a report has there")
     if not isinstance(inputs, list) or not all(map(_is_input, cast(list[Any], inputs))):
@@ -72,6 +72,8 @@ def compare_reports(
     """
     rows: list[dict[str, Any]] = []
     for name, metric in METRICS.items():
+        if min(_schema(old), _schema(new)) < metric.since:
+            continue
         paths = [f"{name}.{key}" for key in ("mean", "p95")] if metric.kind == "distribution" else [name]
         for path in paths:
             before, after = get(old["metrics"], path), get(new["metrics"], path)
@@ -79,7 +81,7 @@ def compare_reports(
                 continue
             moved = after - before
             same = abs(moved) <= max(tolerance * abs(before), _TINY.get(metric.unit, 0.0))
-            verdict = "same" if same else "better" if (moved < 0) == (metric.better == "lower") else "worse"
+            verdict = "same" if same else "better" if _is_better(metric.better, before, after) else "worse"
             rows.append(
                 {
                     "metric": path,
@@ -94,6 +96,17 @@ def compare_reports(
         raise InputError("the two reports have no metric in common; give reports of evaluate or bake")
     worse = sum(row["verdict"] == "worse" for row in rows)
     return {"tolerance": tolerance, "rows": rows, "worse": worse, "differences": _differences(old, new)}
+
+
+def _schema(report: Mapping[str, Any]) -> float:
+    value = report.get("schema", 0)
+    return value if isinstance(value, int | float) else 0
+
+
+def _is_better(better: str, before: float, after: float) -> bool:
+    if better == "zero":
+        return abs(after) < abs(before)
+    return after < before if better == "lower" else after > before
 
 
 def _differences(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:

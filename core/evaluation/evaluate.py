@@ -32,7 +32,7 @@ Show = Callable[[BakeResult], tuple[Array, Array]]
 armature and evaluated by Blender."""
 
 REPORT_FORMAT = "footwork-evaluation"
-REPORT_SCHEMA = 3
+REPORT_SCHEMA = 4
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -62,7 +62,8 @@ def _fit(inputs: Array, outputs: Array, tremor: Array) -> Array:
     """Coefficients of a ridge regression through the origin."""
     count = len(inputs)
     # no BLAS product, which rounds by the number of threads where it is large
-    squares, products = np.einsum("ti,tj->ij", inputs, inputs), np.einsum("ti,t->i", inputs, outputs)
+    squares: Array = np.einsum("ti,tj->ij", inputs, inputs)
+    products: Array = np.einsum("ti,t->i", inputs, outputs)
     return np.linalg.solve(squares / count + np.diag(tremor**2), products / count)
 
 

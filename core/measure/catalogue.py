@@ -14,21 +14,14 @@ import numpy as np
 
 from . import feet, legs, played, root, tracking, truth
 from .measures import Array, summary
-from .metric import Metric
+from .metric import GROUPS, Metric
 from .subject import Body, Subject, Yardstick, subjects
 
+_ENTRIES = (*truth.METRICS, *feet.METRICS, *legs.METRICS, *tracking.METRICS, *root.METRICS, *played.METRICS)
 METRICS: dict[str, Metric] = {
-    metric.name: metric
-    for metric in (
-        *root.METRICS,
-        *feet.METRICS,
-        *tracking.METRICS,
-        *truth.METRICS,
-        *legs.METRICS,
-        *played.METRICS,
-    )
+    metric.name: metric for group in GROUPS for metric in _ENTRIES if metric.group == group
 }
-"""In the order in which they are shown."""
+"""In the order in which they are shown: what an outsider would confirm before what agrees with the bake itself."""
 
 Metrics = dict[str, Any]
 """JSON-ready, by name. Where the true motion is known and has one, its own is in a distribution as "floor", beside
@@ -74,6 +67,10 @@ def summarise(values: Values) -> Metrics:
         own, floor = values.own[name], values.floor.get(name)
         if metric.kind == "count":
             out[name] = len(np.unique(own, axis=0))
+        elif metric.kind == "total":
+            out[name] = int(own.sum())
+            if floor is not None:
+                out[f"{name}_floor"] = int(floor.sum())
         elif metric.kind == "distribution":
             out[name] = {**summary(own), **({} if floor is None else {"floor": summary(floor)})}
         else:

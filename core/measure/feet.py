@@ -15,15 +15,23 @@ def _skate(subject: Subject) -> Array:
     return measures.contact_speeds(subject.toes, subject.contacts, subject.body.fps) * CM
 
 
+def _in_true_contacts(subject: Subject) -> Array | None:
+    true = subject.true or (subject if subject.is_true else None)
+    return None if true is None else _in_contacts(subject, true)
+
+
+def _in_contacts(subject: Subject, true: Subject) -> Array:
+    return measures.contact_speeds(subject.toes, true.contacts, subject.body.fps) * CM
+
+
 def _nsm_skate(subject: Subject) -> Array:
-    limit = measures.NSM_HEIGHT_M * subject.yardstick.size
+    limit = measures.NSM_HEIGHT_M * subject.body.size
     return measures.nsm_skate(subject.toes, subject.toe_heights, subject.body.fps, limit) * CM
 
 
 def _skating(subject: Subject) -> Array:
-    size = subject.yardstick.size
-    flags = measures.skating(subject.toes / size, subject.toe_heights / size, subject.body.fps)
-    return flags.astype(np.float64)
+    body = subject.body
+    return measures.skating(subject.toes, subject.toe_heights, body.fps, body.size).astype(np.float64)
 
 
 def _slides(subject: Subject) -> Array:
@@ -52,23 +60,30 @@ def _penetration(subject: Subject) -> Array:
 
 METRICS = (
     Metric(
-        "foot_skate_cm_s",
-        "foot skate",
+        "true_contact_skate_cm_s",
+        "foot skate in the true contacts",
         "cm/s",
-        "Horizontal speed of toes while the matched motion's contacts say that they stand",
-        _skate,
+        "Horizontal speed of toes while the user's own toe stands",
+        _in_true_contacts,
+        group="truth",
         floor=True,
         series=True,
-        tables=("summary", "panel", "graph"),
-        limit=3.0,
+        tables=("summary",),
+        near_truth=True,
     ),
     Metric(
         "nsm_skate_cm_s",
-        "skate weighted by height",
+        "foot skate by height",
         "cm/s",
         "v (2 - 2^(h / 2.5 cm)) of both toes over all frames, 0 above 2.5 cm",
         _nsm_skate,
         floor=True,
+        series=True,
+        tables=("summary", "panel", "graph"),
+        short="Foot skate",
+        limit=20.0,
+        worst=60.0,
+        near_truth=True,
     ),
     Metric(
         "skating_ratio",
@@ -80,11 +95,24 @@ METRICS = (
         floor=True,
     ),
     Metric(
+        "foot_skate_cm_s",
+        "foot skate in its own contacts",
+        "cm/s",
+        "Horizontal speed of toes while the matched motion says that they stand, whether or not the user does",
+        _skate,
+        group="own",
+        floor=True,
+        series=True,
+        tables=("summary",),
+        limit=3.0,
+    ),
+    Metric(
         "slide_per_contact_cm",
         "slide in a contact",
         "cm",
         "Way of the toe over the ground from the start of a contact to its end",
         _slides,
+        group="own",
         floor=True,
     ),
     Metric(
@@ -93,6 +121,7 @@ METRICS = (
         "cm",
         "Height of toes in contact above where they are in T-pose",
         _floating,
+        group="own",
         floor=True,
     ),
     Metric(
@@ -101,6 +130,7 @@ METRICS = (
         "cm",
         "Depth of toes in contact below where they are in T-pose",
         _sinking,
+        group="own",
         floor=True,
     ),
     Metric(

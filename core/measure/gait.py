@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ..maths import angles
 
 Array = NDArray[np.floating[Any]]
+Flags = NDArray[np.bool_]
 
 PHASE_WINDOW_S = 0.8
 """About a step and a half of a walk: longer than one swing, too short for two people to fall out of step in it."""
@@ -80,3 +81,65 @@ def phase_agreement(
     values = agreeing(phase_correlations(ankles, true_ankles, true_roots, true_yaws, fps, size))
     known = values[~np.isnan(values)]
     return float(known.mean()) if len(known) else float("nan")
+
+
+PLANT_M = 0.06
+"""A toe that was farther than this from where it stood has made a step; less is shuffling, or a heel that turns."""
+PLANT_TOLERANCE_S = 0.25
+"""Two plants of the same foot no farther apart than this are the same step."""
+REST_WINDOW_S = 1.0
+REST_SPEED_M_S = 0.15
+"""A head that gets on by less than this over a second rests; it may nod, lean back and forth, and box."""
+
+
+def plants(toes: Array, standing: Flags, least: float = PLANT_M) -> Flags:
+    """Frames `(T, 2)` at which a foot stands again after it was away from where it stood before.
+
+    Args:
+        toes: `(T, 2, 3)` metres.
+        standing: `(T, 2)`.
+        least: metres that the toe was away at some time in between, height included.
+    """
+    out = np.zeros(standing.shape, dtype=np.bool_)
+    for foot in range(2):
+        edges = np.diff(np.concatenate([[False], standing[:, foot], [False]]).astype(np.int8))
+        starts, stops = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
+        for left, landed in zip(stops[:-1].tolist(), starts[1:].tolist(), strict=True):
+            way = toes[left : landed + 1, foot] - toes[left - 1, foot]
+            out[landed, foot] = np.linalg.norm(way, axis=-1).max() > least
+    return out
+
+
+def unmatched(events: Flags, others: Flags, tolerance: int) -> Flags:
+    """The `events` `(T, N)` that have no partner among the `others` of their column within `tolerance` frames.
+
+    Every one of the others is the partner of one event at most; as many as can be are matched.
+    """
+    out = events.copy()
+    for column in range(events.shape[1]):
+        mine, theirs = np.flatnonzero(events[:, column]), np.flatnonzero(others[:, column])
+        i = j = 0
+        while i < len(mine) and j < len(theirs):
+            if abs(int(mine[i]) - int(theirs[j])) <= tolerance:
+                out[mine[i], column] = False
+                i, j = i + 1, j + 1
+            elif mine[i] < theirs[j]:
+                i += 1
+            else:
+                j += 1
+    return out
+
+
+def resting(heads: Array, fps: float, size: float = 1.0) -> Flags:
+    """Frames `(T,)` in which the head gets on by less than 0.15 m/s over the second around.
+
+    Args:
+        heads: `(T, 2)` on the ground, metres.
+        fps: frames per second.
+        size: of the body as a share of a usual one.
+    """
+    half = max(round(0.5 * REST_WINDOW_S * fps), 1)
+    frames = np.arange(len(heads))
+    first, last = np.maximum(frames - half, 0), np.minimum(frames + half, len(heads) - 1)
+    way = np.linalg.norm(heads[last] - heads[first], axis=-1)
+    return way * fps < REST_SPEED_M_S * size * np.maximum(last - first, 1)

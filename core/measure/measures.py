@@ -120,9 +120,10 @@ def nsm_skate(toes: Array, heights: Array, fps: float, limit: float = NSM_HEIGHT
     return ground_steps(toes) * fps * (2.0 - 2.0**share)
 
 
-def skating(toes: Array, heights: Array, fps: float) -> Flags:
+def skating(toes: Array, heights: Array, fps: float, size: float = 1.0) -> Flags:
     """Frames `(T - 1,)` in which a low foot moves fast, about 1 in 20 of true motion; arguments as
-    `nsm_skate`."""
-    low = (heights[1:] < RATIO_HEIGHT_M) & (heights[:-1] < RATIO_HEIGHT_M)
-    fast = ground_steps(toes) * fps > RATIO_SPEED_M_S
+    `nsm_skate`, and the size of the body as a share of a usual one."""
+    limit = RATIO_HEIGHT_M * size
+    low = (heights[1:] < limit) & (heights[:-1] < limit)
+    fast = ground_steps(toes) * fps > RATIO_SPEED_M_S * size
     return np.logical_or.reduce(low & fast, axis=-1)

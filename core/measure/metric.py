@@ -14,7 +14,15 @@ from .subject import Subject
 Array = NDArray[np.floating[Any]]
 
 STATISTICS = ("mean", "std", "p95", "max")
-KINDS = ("distribution", "number", "share", "count")
+KINDS = ("distribution", "number", "share", "count", "total")
+GROUPS = {
+    "truth": "against the user's true motion",
+    "motion": "the motion itself",
+    "trackers": "against the trackers",
+    "own": "agreement with the bake's own target, prediction and contacts",
+    "played": "what was played",
+}
+"""What metrics compare with, in the order in which they are shown, and its heading."""
 TABLES = ("summary", "panel", "graph")
 
 
@@ -31,11 +39,13 @@ class Metric:
     values: Callable[[Subject], Array | None]
     """All single values `(T, ...)`, NaN where one does not count; None where the bake has not what it takes, such as
     the true motion. The first axis is time or, for events, their number; of a count, one row for each thing counted."""
+    group: str = "motion"
+    """Of `GROUPS`."""
     kind: str = "distribution"
-    """"distribution" (mean, std, p95, max), "number" (a mean alone), "share" (of frames) or "count" (of different
-    rows)."""
+    """"distribution" (mean, std, p95, max), "number" (a mean alone), "share" (of frames), "count" (of different
+    rows) or "total" (the sum)."""
     better: str = "lower"
-    """"lower", "higher" or "" where neither is."""
+    """"lower", "higher", "zero" for signed values, or "" where none is."""
     floor: bool = False
     """Whether the true motion has one of its own, to be shown beside."""
     series: bool = False
@@ -45,7 +55,13 @@ class Metric:
     short: str = ""
     """Label in the panel and the graph, "" for `label`."""
     limit: float | None = None
-    """The mean up to which the panel calls it good; None where it is not judged."""
+    """The mean up to which (of shares that are better higher: from which) it is good; None where it is not judged."""
+    worst: float | None = None
+    """The mean of any second up to which it is good; needs `series`."""
+    near_truth: bool = False
+    """Whether the true motion's own is the measure where it is known: much less is as wrong as much more."""
+    since: int = 0
+    """Schema of reports from which on the name means this."""
 
     @property
     def heading(self) -> str:
@@ -58,7 +74,10 @@ class Metric:
             return f"{value:.0%}"
         if self.kind == "count":
             return f"{value:.0f}"
-        return f"{value:.1f} {'per s' if self.unit == '1/s' else self.unit}".rstrip()
+        if self.kind == "total":
+            return f"{value:.0f} {self.unit}"
+        unit = {"1/s": "per s", "1/min": "per min"}.get(self.unit, self.unit)
+        return f"{value:.1f} {unit}".rstrip()
 
 
 def get(metrics: Mapping[str, Any], path: str) -> float | None:

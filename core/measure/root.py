@@ -1,4 +1,4 @@
-"""Where the body is, and which way it faces."""
+"""Where the body is and which way it faces, beside what the bake itself aimed at."""
 
 from __future__ import annotations
 
@@ -19,12 +19,6 @@ def _to_head(subject: Subject) -> Array:
     return counted(away, subject.tracked[:, 0])
 
 
-def _to_true_hips(subject: Subject) -> Array | None:
-    if subject.user is None:
-        return None
-    return measures.distances(subject.body.root_positions, subject.user.root_positions) * CM
-
-
 def _matched_to_target(subject: Subject) -> Array:
     matched = subject.playback.root_positions * subject.yardstick.scale
     return measures.distances(matched, subject.targets) * CM
@@ -32,12 +26,6 @@ def _matched_to_target(subject: Subject) -> Array:
 
 def _yaw_to_prediction_deg(subject: Subject) -> Array:
     return np.degrees(measures.yaw_errors(subject.body.root_yaws, subject.playback.target_yaws))
-
-
-def _yaw_to_truth_deg(subject: Subject) -> Array | None:
-    if subject.user is None:
-        return None
-    return np.degrees(measures.yaw_errors(subject.body.root_yaws, subject.user.root_yaws))
 
 
 def _prediction_to_truth_deg(subject: Subject) -> Array | None:
@@ -54,14 +42,15 @@ def _doubt_deg(subject: Subject) -> Array | None:
 METRICS = (
     Metric(
         "root_error_cm",
-        "root error to the target",
+        "root to its own target",
         "cm",
-        "Hips on the ground to the target that the search was given",
+        "Hips on the ground to the target that the bake set itself, no true place of the hips",
         _to_target,
+        group="own",
         floor=True,
         series=True,
         tables=("summary", "panel", "graph"),
-        short="Body to user",
+        short="Body to its target",
         limit=15.0,
     ),
     Metric(
@@ -70,15 +59,8 @@ METRICS = (
         "cm",
         "Hips on the ground to the centre of the tracked head on the ground (the paper's target)",
         _to_head,
+        group="trackers",
         floor=True,
-    ),
-    Metric(
-        "hips_error_cm",
-        "root error to the true hips",
-        "cm",
-        "Hips to the true hips, on the ground",
-        _to_true_hips,
-        series=True,
     ),
     Metric(
         "matched_root_error_cm",
@@ -86,27 +68,21 @@ METRICS = (
         "cm",
         "The same as the first, before the avatar was put under the headset: what alpha bounds",
         _matched_to_target,
+        group="own",
         series=True,
     ),
     Metric(
         "yaw_error_deg",
-        "yaw error to the prediction",
+        "yaw to its own prediction",
         "°",
-        "Heading of the hips to the predicted body orientation",
+        "Heading of the hips to the body orientation that was predicted, not to the true one",
         _yaw_to_prediction_deg,
+        group="own",
         floor=True,
         series=True,
         tables=("summary", "panel", "graph"),
-        short="Body direction",
+        short="Turn to its prediction",
         limit=12.0,
-    ),
-    Metric(
-        "body_yaw_error_deg",
-        "yaw error to the truth",
-        "°",
-        "Heading of the hips to that of the true hips",
-        _yaw_to_truth_deg,
-        series=True,
     ),
     Metric(
         "orientation_error_deg",
@@ -114,6 +90,7 @@ METRICS = (
         "°",
         "Predicted body orientation to the heading of the true hips",
         _prediction_to_truth_deg,
+        group="truth",
         series=True,
     ),
     Metric(
@@ -122,6 +99,11 @@ METRICS = (
         "°",
         "Deviation that the predictor itself expects of the body orientation",
         _doubt_deg,
+        group="own",
         series=True,
+        tables=("panel",),
+        short="Direction doubt",
+        limit=15.0,
+        worst=40.0,
     ),
 )

@@ -24,6 +24,8 @@ from .measures import Array, Flags
 
 LEG_M = 0.85
 """Thigh and shin of the body for which bounds on lengths and speeds are written; other bodies scale them."""
+CONTACT_M_S = 0.15
+"""A toe slower than this stands (paper, section 5.1)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,8 +86,6 @@ class Yardstick:
     """`(T, 2)` hand targets farther away than the arm is long."""
     scale: float = 1.0
     """The avatar's metres over the databases'."""
-    size: float = 1.0
-    """How many times as large as a body of 1.7 m the avatar is: what counts as low or fast goes with it."""
     truth: Motion | None = None
     """The user's true motion at the motion's rate and on the avatar's scale."""
     ground: Ground | None = None
@@ -98,14 +98,24 @@ class Subject:
     """A body that is measured, with all that several metrics need; what is not asked for is not computed."""
 
     def __init__(
-        self, body: Body, yardstick: Yardstick, contacts: Flags, ground: Ground | None, user: Body | None
+        self, body: Body, yardstick: Yardstick, contacts: Flags, ground: Ground | None, true: Subject | None
     ) -> None:
         self.body, self.yardstick = body, yardstick
         self.contacts = contacts
         """`(T, 2)` when its feet stand."""
         self.ground = ground
-        self.user = user
-        """The true body to compare it with, if there is one."""
+        self.true = true
+        """The user's true motion to compare it with, if it is known, with contacts of its own."""
+
+    @property
+    def is_true(self) -> bool:
+        """Whether this is the user's own motion."""
+        return self.true is None and self.yardstick.truth is not None
+
+    @property
+    def user(self) -> Body | None:
+        """The true body."""
+        return None if self.true is None else self.true.body
 
     @property
     def playback(self) -> Playback:
@@ -190,8 +200,7 @@ def subjects(yardstick: Yardstick, body: Body) -> tuple[Subject, Subject | None]
             f"the avatar {len(body)} at {body.fps:g}; resample the one to the other"
         )
     user = body_of(truth)
-    stands = find_contacts(place_toes(user.skeleton, user.positions, user.rotations), user.fps)
-    return (
-        Subject(body, yardstick, yardstick.contacts, yardstick.ground, user),
-        Subject(user, yardstick, stands, None, None),
-    )
+    toes = place_toes(user.skeleton, user.positions, user.rotations)
+    stands = find_contacts(toes, user.fps, CONTACT_M_S * user.size)
+    true = Subject(user, yardstick, stands, None, None)
+    return Subject(body, yardstick, yardstick.contacts, yardstick.ground, true), true

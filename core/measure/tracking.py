@@ -37,6 +37,7 @@ METRICS = (
         "cm",
         "Head joint to where the headset puts it",
         lambda subject: _away(subject)[:, 0],
+        group="trackers",
         series=True,
         tables=("summary", "panel"),
         short="Head",
@@ -48,6 +49,7 @@ METRICS = (
         "°",
         "Head joint to how the headset turns it",
         lambda subject: _turned(subject)[:, 0],
+        group="trackers",
         tables=("summary",),
     ),
     Metric(
@@ -56,6 +58,7 @@ METRICS = (
         "cm",
         "Wrists to where the controllers put them",
         lambda subject: _away(subject)[:, 1:],
+        group="trackers",
         series=True,
         tables=("summary", "panel"),
         short="Hands",
@@ -67,6 +70,7 @@ METRICS = (
         "cm",
         "The same where the arm is long enough",
         _in_reach,
+        group="trackers",
     ),
     Metric(
         "hand_rotation_error_deg",
@@ -74,6 +78,7 @@ METRICS = (
         "°",
         "Wrists to how the controllers turn them",
         lambda subject: _turned(subject)[:, 1:],
+        group="trackers",
     ),
     Metric(
         "unreachable_fraction",
@@ -81,6 +86,7 @@ METRICS = (
         "",
         "Share of tracked hands farther away than the arm is long",
         _unreachable,
+        group="trackers",
         kind="share",
         tables=("panel",),
     ),

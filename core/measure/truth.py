@@ -9,16 +9,22 @@ from numpy.typing import NDArray
 
 from ..body import hierarchy
 from ..body.skeleton import LEG, SIDES, Skeleton
+from ..body.trunk import spine
 from ..maths import quat
 from . import measures
+from .frozen import frozen_body
+from .legs import joints
+from .limbs import swivel_errors
 from .measures import CM, Array
 from .metric import Metric
 from .subject import Body, Subject
 
 _LOWER_BODY = ("hips", *(f"{part}.{side}" for side in SIDES for part in LEG))
+_BENT_M = 0.04
+"""An elbow nearer than this to the line from shoulder to wrist swivels to no side."""
 
 
-def _if_known(values: Callable[[Subject, Body], Array]) -> Callable[[Subject], Array | None]:
+def _if_known(values: Callable[[Subject, Body], Array | None]) -> Callable[[Subject], Array | None]:
     """A metric's values where the true body is known."""
     return lambda subject: None if subject.user is None else values(subject, subject.user)
 
@@ -37,6 +43,49 @@ def _lower_distances(subject: Subject, user: Body) -> Array:
 
 def _upper_distances(subject: Subject, user: Body) -> Array:
     return np.delete(_distances(subject, user), _lower(subject), axis=1)
+
+
+def _frozen_distances(subject: Subject, user: Body) -> Array:
+    body = subject.body
+    frozen = frozen_body(subject.yardstick.databases, body.skeleton, body.root_positions, body.root_yaws)
+    mine, theirs = (np.array(side)[_lower(subject)] for side in subject.shared_joints)
+    return measures.distances(frozen[:, mine], user.positions[:, theirs]) * CM
+
+
+def _hips(subject: Subject, user: Body) -> Array:
+    return measures.distances(subject.body.positions[:, 0], user.positions[:, 0]) * CM
+
+
+def _hips_on_ground(subject: Subject, user: Body) -> Array:
+    return measures.distances(subject.body.root_positions, user.root_positions) * CM
+
+
+def _hips_above(subject: Subject, user: Body) -> Array:
+    return (subject.body.positions[:, 0, 2] - user.positions[:, 0, 2]) * CM
+
+
+def _yaw_deg(subject: Subject, user: Body) -> Array:
+    return np.degrees(measures.yaw_errors(subject.body.root_yaws, user.root_yaws))
+
+
+def _chest_deg(subject: Subject, user: Body) -> Array:
+    mine, theirs = (body.rotations[:, spine(body.skeleton)[-1]] for body in (subject.body, user))
+    return np.degrees(measures.rotation_errors(mine, theirs))
+
+
+def _elbows(subject: Subject, user: Body) -> Array:
+    mine, theirs = (joints(body, ("forearm",))[:, :, 0] for body in (subject.body, user))
+    return measures.distances(mine, theirs) * CM
+
+
+def _swivels_deg(subject: Subject, user: Body) -> Array:
+    mine, theirs = (joints(body, ("upper_arm", "forearm", "hand")) for body in (subject.body, user))
+    return np.degrees(swivel_errors(mine, theirs, _BENT_M * user.size))
+
+
+def _clavicles_deg(subject: Subject, user: Body) -> Array | None:
+    rows = [i for i, role in enumerate(subject.shared_roles) if role.startswith("clavicle")]
+    return _angles_deg(subject, user)[:, rows] if rows else None
 
 
 def _local_rotations(subject: Subject, user: Body) -> tuple[Array, Array]:
@@ -61,32 +110,11 @@ def _velocities(subject: Subject, user: Body) -> Array:
     return measures.speeds(subject.away, subject.body.fps) * CM
 
 
-def _hips_height(subject: Subject, user: Body) -> Array:
-    return np.abs(subject.away[:, subject.shared_roles.index("hips"), 2]) * CM
-
-
-def _knees_deg(subject: Subject, user: Body) -> Array:
-    return np.degrees(np.abs(knee_bends(subject.body) - knee_bends(user)))
-
-
-def knee_bends(body: Body) -> Array:
-    """Angle `(T, 2)` in radians between thigh and shin of the left and the right leg, 0 when straight."""
-    bends: list[Array] = []
-    for side in SIDES:
-        hip, knee, ankle = (
-            body.positions[:, body.skeleton.joint(f"{part}.{side}")] for part in ("thigh", "shin", "foot")
-        )
-        thigh, shin = knee - hip, ankle - knee
-        across = np.linalg.norm(np.cross(thigh, shin), axis=-1)
-        bends.append(np.arctan2(across, np.sum(thigh * shin, axis=-1)))
-    return np.stack(bends, axis=-1)
-
-
 def _parents_among(skeleton: Skeleton, roles: Sequence[str]) -> NDArray[np.intp]:
     """For each role the index in `roles` of its nearest ancestor that has one of them; -1 for none."""
-    joints = [skeleton.joint(role) for role in roles]
-    over = [hierarchy.nearest_above(skeleton.parents, joint, joints) for joint in joints]
-    return np.array([joints.index(joint) if joint >= 0 else -1 for joint in over], dtype=np.intp)
+    among = [skeleton.joint(role) for role in roles]
+    over = [hierarchy.nearest_above(skeleton.parents, joint, among) for joint in among]
+    return np.array([among.index(joint) if joint >= 0 else -1 for joint in over], dtype=np.intp)
 
 
 def _relative(rotations: Array, parents: NDArray[np.intp]) -> Array:
@@ -96,45 +124,63 @@ def _relative(rotations: Array, parents: NDArray[np.intp]) -> Array:
     return quat.multiply(quat.conjugate(above), rotations)
 
 
+def _metric(
+    name: str,
+    label: str,
+    unit: str,
+    says: str,
+    values: Callable[[Subject, Body], Array | None],
+    shown: bool = False,
+    better: str = "lower",
+    since: int = 0,
+) -> Metric:
+    """A distribution over time that needs the truth."""
+    tables = ("summary",) if shown else ()
+    return Metric(
+        name, label, unit, says, _if_known(values), group="truth", better=better, series=shown, tables=tables,
+        since=since,
+    )  # fmt: skip
+
+
 METRICS = (
-    Metric(
-        "lower_body_mpjpe_cm",
-        "lower body MPJPE",
-        "cm",
-        "Hips, legs and feet to the true ones in the world, not aligned",
-        _if_known(_lower_distances),
-        series=True,
-        tables=("summary",),
+    _metric(
+        "lower_body_mpjpe_cm", "legs (lower body MPJPE)", "cm",
+        "Hips, legs and feet to the true ones in the world, not aligned", _lower_distances, True,
     ),
-    Metric(
-        "upper_body_mpjpe_cm",
-        "upper body MPJPE",
-        "cm",
-        "The other joints, likewise",
-        _if_known(_upper_distances),
+    _metric(
+        "frozen_pose_lower_body_mpjpe_cm", "legs of a frozen mean pose", "cm",
+        "The same of the databases' mean pose at the avatar's own root and yaw: legs that are no better know nothing",
+        _frozen_distances,
     ),
-    Metric("mpjpe_cm", "MPJPE", "cm", "All joints, likewise", _if_known(_distances)),
-    Metric(
-        "mpjre_deg",
-        "MPJRE",
-        "°",
-        "Components of local rotation vectors, absolute differences",
-        _if_known(_components_deg),
+    _metric("hips_error_cm", "hips", "cm", "Hips joint to the true hips joint", _hips, True, since=4),
+    _metric("body_yaw_error_deg", "yaw", "°", "Heading of the hips to that of the true hips", _yaw_deg, True),
+    _metric("chest_error_deg", "chest", "°", "Angle of the chest's rotation to the true chest's", _chest_deg, True),
+    _metric("elbow_error_cm", "elbows", "cm", "Elbows to the true elbows", _elbows, True),
+    _metric(
+        "hips_on_ground_error_cm", "hips on the ground", "cm", "Hips to the true hips, seen from above",
+        _hips_on_ground,
     ),
-    Metric("mpjae_deg", "MPJAE", "°", "Geodesic angle between local rotations", _if_known(_angles_deg)),
-    Metric("mpjve_cm_s", "MPJVE", "cm/s", "Joint velocities to the true ones", _if_known(_velocities)),
-    Metric(
-        "hips_height_error_cm",
-        "hips height error",
-        "cm",
-        "Height of the hips to the true one",
-        _if_known(_hips_height),
+    _metric(
+        "hips_height_error_cm", "hips height error", "cm", "Height of the hips to the true one",
+        lambda subject, user: np.abs(_hips_above(subject, user)),
     ),
-    Metric(
-        "knee_error_deg",
-        "knee bend error",
-        "°",
-        "Angle between thigh and shin to the true one",
-        _if_known(_knees_deg),
+    _metric(
+        "hips_height_bias_cm", "hips height bias", "cm",
+        "Height of the hips minus the true one: below 0 the hips are too low", _hips_above, True, better="zero",
     ),
-)
+    _metric(
+        "elbow_swivel_error_deg", "elbow swivel", "°",
+        "Elbow about the line from shoulder to wrist to the true side, where both arms are bent", _swivels_deg,
+    ),
+    _metric(
+        "clavicle_error_deg", "clavicles", "°", "Rotation of the clavicles since the chest to the true one",
+        _clavicles_deg,
+    ),
+    _metric("upper_body_mpjpe_cm", "upper body MPJPE", "cm", "The other joints, likewise", _upper_distances),
+    _metric("mpjpe_cm", "MPJPE", "cm", "All joints, likewise", _distances),
+    _metric(
+        "mpjre_deg", "MPJRE", "°", "Components of local rotation vectors, absolute differences", _components_deg
+    ),
+    _metric("mpjae_deg", "MPJAE", "°", "Geodesic angle between local rotations", _angles_deg),
+    _metric("mpjve_cm_s", "MPJVE", "cm/s", "Joint velocities to the true ones", _velocities),
+)  # fmt: skip

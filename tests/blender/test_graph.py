@@ -19,7 +19,7 @@ REPORT = {
         "step_s": 1.0,
         "root_error_cm": [5.0, 10.0, 30.0, 12.5],
         "yaw_error_deg": [1.0, 2.0, 3.0, 4.0],
-        "foot_skate_cm_s": [0.5, None, None, 6.0],
+        "nsm_skate_cm_s": [0.5, None, None, 6.0],
         "penetration_cm": [0.0, 0.0, 0.0, 0.0],
     },
     "timing_s": {"recorded": 3.5},
@@ -34,11 +34,11 @@ def data() -> figures.OverTime:
 def test_what_the_scene_keeps_comes_back(data) -> None:
     assert (data.frame_start, data.fps, data.seconds, data.step_s) == (101, 24.0, 3.5, 1.0)
     assert [(row.label, row.unit) for row in data.rows] == [
-        ("Body to user", "cm"),
-        ("Body direction", "°"),
         ("Foot skate", "cm/s"),
+        ("Body to its target", "cm"),
+        ("Turn to its prediction", "°"),
     ]
-    root, _, skate = data.rows
+    skate, root, _ = data.rows
     assert root.at(2.3, 1.0) == 30.0 and math.isnan(skate.at(1.0, 1.0)) and math.isnan(root.at(-0.1, 1.0))
     assert math.isnan(root.at(9.0, 1.0))
 
@@ -58,9 +58,13 @@ def test_the_drawing_stays_in_its_room_and_says_what_it_shows(data) -> None:
         assert points.min(axis=0).tolist() >= list(ROOM[:2]) and (points.max(axis=0) <= ROOM[2:]).all()
         words = [text.words for text in drawing.texts]
         # frame 125 is second 1, where no foot stood
-        assert {"Body to user 10.0 cm", "Foot skate", "good up to 15, shown up to 30", "0 s", "3 s"} <= {
-            *words
-        }
+        assert {
+            "Body to its target 10.0 cm",
+            "Foot skate",
+            "good up to 15, shown up to 30",
+            "0 s",
+            "3 s",
+        } <= {*words}
 
 
 def test_a_figure_without_a_limit_has_no_line_for_it(data) -> None:
@@ -126,7 +130,7 @@ def test_it_can_be_switched_off_and_is_saved(empty, tmp_path) -> None:
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "kept.blend"))
     assert not bpy.context.scene.footwork.overlays.graph
     kept = json.loads(bpy.context.scene.footwork.over_time)
-    assert kept["series"].keys() == {"root_error_cm", "yaw_error_deg", "foot_skate_cm_s"}
+    assert kept["series"].keys() == {"root_error_cm", "yaw_error_deg", "nsm_skate_cm_s"}
 
 
 @pytest.mark.parametrize(

@@ -108,7 +108,7 @@ def test_a_bake_without_a_rig_makes_one(empty, ready, source: str) -> None:
     over_time = figures.read_over_time(ready.over_time)
     assert len(over_time.rows) == len(figures.shown_in("graph")) >= 3 and over_time.fps == 60
     assert np.nanmean(over_time.rows[0].values) == pytest.approx(
-        report["metrics"]["root_error_cm"]["mean"], rel=0.2
+        report["metrics"]["nsm_skate_cm_s"]["mean"], rel=0.2
     )
     frames = int(compat.fcurves_of(rig)[0].range()[1])
     assert empty.frame_end == frames

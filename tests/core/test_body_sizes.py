@@ -90,7 +90,7 @@ def test_figures_grow_with_the_body(user, walking, size: float) -> None:
     usual, other = (baked(user, walking, factor).report["metrics"] for factor in (1.0, size))
     seen = 0
     for name, figure in usual.items():
-        lengths = name.endswith(("_cm", "_cm_s")) or name == "jitter"
+        lengths = name.endswith(("_cm", "_cm_s", "_m_s3")) or name == "jitter"
         for part in ("mean", "p95", "max") if isinstance(figure, dict) else ():
             wanted = figure[part] * (size if lengths else 1.0)
             assert other[name][part] == pytest.approx(wanted, rel=2e-3, abs=2e-3), (name, part)

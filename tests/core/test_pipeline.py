@@ -231,7 +231,8 @@ def test_figures_are_centimetres_of_the_rig(user, result, sizes) -> None:
         "root_error_cm": distances(mine[:, 0, :2], targets),
         "root_to_head_cm": distances(mine[:, 0, :2], true[:, order][:, head, :2]),
         "matched_root_error_cm": distances(playback.root_positions * sizes.from_people, targets),
-        "hips_error_cm": distances(mine[:, 0, :2], true[:, 0, :2]),
+        "hips_error_cm": distances(mine[:, 0], true[:, 0]),
+        "hips_on_ground_error_cm": distances(mine[:, 0, :2], true[:, 0, :2]),
         "hips_height_error_cm": np.abs(mine[:, 0, 2] - true[:, 0, 2]),
         "lower_body_mpjpe_cm": apart[:, legs],
         "upper_body_mpjpe_cm": np.delete(apart, legs, axis=1),
@@ -267,7 +268,9 @@ def assert_same_bake(a: BakeResult, b: BakeResult, atol: float) -> None:
     for name, figure in a.report["metrics"].items():
         other = b.report["metrics"][name]
         if isinstance(figure, dict):
-            assert other["mean"] == pytest.approx(figure["mean"], abs=1e-4), name
+            # the mean pose is that of databases in single precision
+            nearly = 5e-3 if name.startswith("frozen") else 1e-4
+            assert other["mean"] == pytest.approx(figure["mean"], abs=nearly), name
             if "floor" in figure:
                 assert other["floor"]["mean"] == pytest.approx(figure["floor"]["mean"], abs=1e-4), name
         else:
@@ -336,7 +339,9 @@ def test_a_recording_that_is_not_scaled_stays_where_it_is(user, walking, crouchi
     assert away.max() == pytest.approx(0.05, abs=1e-6)
     assert distances(world(found.motion, "hips")[:, :2], world(user, "hips")[:, :2]).mean() < 0.06
     hips = distances(world(found.motion, "hips")[:, :2], world(user, "hips")[:, :2])
-    assert found.report["metrics"]["hips_error_cm"]["mean"] == pytest.approx(100.0 * hips.mean(), rel=1e-6)
+    assert found.report["metrics"]["hips_on_ground_error_cm"]["mean"] == pytest.approx(
+        100.0 * hips.mean(), rel=1e-6
+    )
 
 
 def test_on_a_plateau_all_is_higher_by_its_height(user, walking, crouching, rig_body, sizes) -> None:

@@ -16,9 +16,9 @@ from footwork.core.jobs import run
 from footwork.core.measure.catalogue import METRICS
 from footwork.core.measure.metric import Metric
 from footwork.core.measure.subject import Subject
+from footwork.core.measure.words import report_in_words
 from footwork.core.mocap.demo import demo_motion
 from footwork.core.mocap.take import Take
-from footwork.core.pipeline import report_in_words
 from footwork.core.settings import BakeSettings, DatabaseSettings
 
 

@@ -70,3 +70,38 @@ def test_too_short_a_motion_has_no_windows() -> None:
     assert np.isnan(
         gait.phase_agreement(*(part[:40] for part in (walk(1.0, 0.0, 0.0)[0], *walk(1.0, 0.0, 0.0))), FPS)
     )
+
+
+def test_a_step_is_a_foot_that_was_away_and_stands_again() -> None:
+    standing = np.ones((300, 2), dtype=bool)
+    toes = np.zeros((300, 2, 3))
+    # left: a step of 0.4 m, a shuffle of 4 cm, a lift of 10 cm that comes down where it was
+    for start, stop, way, lift in ((40, 60, 0.4, 0.05), (100, 110, 0.04, 0.0), (200, 221, 0.0, 0.1)):
+        standing[start:stop, 0] = False
+        share = np.linspace(0.0, 1.0, stop - start)
+        toes[start:stop, 0, 0] += way * share
+        toes[start:stop, 0, 2] += lift * np.sin(np.pi * share)
+        toes[stop:, 0, 0] += way
+    found = gait.plants(toes, standing)
+    assert np.flatnonzero(found[:, 0]).tolist() == [60, 221] and not found[:, 1].any()
+    assert np.flatnonzero(gait.plants(toes, standing, 0.03)[:, 0]).tolist() == [60, 110, 221]
+    # in the air at either end it makes none
+    standing[:5], standing[-5:] = False, False
+    assert gait.plants(toes, standing).sum() == 2
+
+
+def test_each_step_has_one_partner_of_its_own_foot_at_most() -> None:
+    mine, true = np.zeros((2, 100, 2), dtype=bool)
+    mine[[10, 14, 50, 90], 0] = True
+    true[[12, 58, 91], 0], true[50, 1] = True, True
+    left = gait.unmatched(mine, true, 5)
+    assert np.flatnonzero(left[:, 0]).tolist() == [14, 50] and not left[:, 1].any()
+    assert not gait.unmatched(true, true, 0).any()
+
+
+def test_a_head_that_gets_nowhere_rests_however_it_nods() -> None:
+    t = np.arange(600) / FPS
+    heads = np.stack([0.04 * np.sin(2.0 * np.pi * t), np.maximum(t - 5.0, 0.0) * 0.8], axis=-1)
+    rests = gait.resting(heads, FPS)
+    assert rests[:260].all() and not rests[320:].any()
+    assert not gait.resting(heads, FPS, 0.1)[320:].any() and gait.resting(heads, FPS, 6.0).all()

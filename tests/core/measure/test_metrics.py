@@ -51,7 +51,12 @@ def trackers(truth: Motion) -> Recording:
     return simulate_recording(truth, "turn")
 
 
-def databases(count: int) -> list[MotionDatabase]:
+class _Base(SimpleNamespace):
+    def __len__(self) -> int:
+        return self.count
+
+
+def databases(count: int, motion: Motion | None = None) -> list[MotionDatabase]:
     """Two databases with one feature that counts: column 12 + i of database i runs 0, 1, 2 ... in normalised units."""
     out: list[Any] = []
     for i in range(2):
@@ -61,7 +66,11 @@ def databases(count: int) -> list[MotionDatabase]:
         deviation = np.full(FEATURE_COUNT, 1.0 + i)
         mean = np.full(FEATURE_COUNT, 5.0 * i)
         features = FeatureDatabase(values, mean, deviation, np.ones(count, dtype=bool))
-        out.append(SimpleNamespace(features=features))
+        motion = motion or demo_motion("turn", 1)
+        hips = np.tile([0.0, 0.0, 0.9], (count, 1))
+        rotations = np.tile(quat.IDENTITY, (count, len(motion.skeleton), 1))
+        poses = SimpleNamespace(hips_positions=hips, rotations=rotations)
+        out.append(_Base(features=features, poses=poses, skeleton=motion.skeleton, fps=60.0, count=count))
     return cast(list[MotionDatabase], out)
 
 
