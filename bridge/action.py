@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ..core.errors import InputError
 from ..core.rig.rig import BoneTracks
 from . import compat, rotations
+from .armature import carrier_of
 
 Array = NDArray[np.floating[Any]]
 
@@ -68,6 +69,7 @@ def write_action(
         raise InputError(f"{obj.name}: it has no bone {missing[0]!r} any more; check its role map")
     previous = obj.animation_data_create().action
     action = new_action(obj, name)
+    _play(obj)
     _release(previous, keep_previous)
     key_pose(obj, tracks, fps, frame_start)
     for time in marker_times:
@@ -91,12 +93,48 @@ def key_pose(obj: bpy.types.Object, tracks: BoneTracks, fps: float, frame_start:
     _rest_between(obj, tracks.bones)
     frames = frame_start + np.arange(len(tracks.rotations)) * (fps / tracks.fps)
     hips = obj.pose.bones[tracks.bones[0]]
-    _key(action, obj, hips.path_from_id("location"), hips.name, frames, tracks.locations)
+    carrier = carrier_of(hips)
+    # a connected bone ignores its location; the one that it hangs on goes the same way in its own axes
+    turn = carrier.bone.matrix_local.to_3x3().inverted() @ hips.bone.matrix_local.to_3x3()
+    locations = tracks.locations @ np.array(turn, dtype=np.float64).T
+    _key(action, obj, carrier.path_from_id("location"), carrier.name, frames, locations)
     for index, bone in enumerate(tracks.bones):
-        pose_bone = obj.pose.bones[bone]
-        values = rotations.channels(tracks.rotations[:, index], pose_bone.rotation_mode)
-        path = pose_bone.path_from_id(rotations.property_of(pose_bone.rotation_mode))
-        _key(action, obj, path, bone, frames, values)
+        _key_rotation(action, obj, obj.pose.bones[bone], frames, tracks.rotations[:, index])
+
+
+def key_bone(
+    obj: bpy.types.Object, bone: bpy.types.PoseBone, locations: Array, quaternions: Array, frame_start: float
+) -> None:
+    """Replace a bone's keys in the object's action by locations `(T, 3)` and rotations `(T, 4)`, one a frame."""
+    action = obj.animation_data.action
+    assert action is not None
+    frames = frame_start + np.arange(len(locations), dtype=np.float64)
+    for curve in compat.fcurves_of(obj):
+        if curve.data_path.startswith(f"{bone.path_from_id()}."):
+            curve.keyframe_points.clear()
+    _key(action, obj, bone.path_from_id("location"), bone.name, frames, locations)
+    _key_rotation(action, obj, bone, frames, quaternions)
+
+
+def _key_rotation(
+    action: bpy.types.Action,
+    obj: bpy.types.Object,
+    bone: bpy.types.PoseBone,
+    frames: Array,
+    quaternions: Array,
+) -> None:
+    values = rotations.channels(quaternions, bone.rotation_mode)
+    path = bone.path_from_id(rotations.property_of(bone.rotation_mode))
+    _key(action, obj, path, bone.name, frames, values)
+
+
+def _play(obj: bpy.types.Object) -> None:
+    """Have the object play its action alone: what an NLA track or a blend made of the last one was not for this."""
+    data = obj.animation_data
+    for track in data.nla_tracks:
+        if track.is_solo:
+            track.is_solo = False
+    data.action_influence, data.action_blend_type = 1.0, "REPLACE"
 
 
 def key_transform(

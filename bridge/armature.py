@@ -43,12 +43,6 @@ def armature_to_rig(obj: bpy.types.Object, metres_per_unit: float = 1.0) -> Rig:
     """
     names, parents, bones = _hierarchy(obj)
     roles = _roles(obj, names, role_map(obj))
-    hips = bones[roles.index("hips")]
-    if hips.parent is not None and hips.use_connect:
-        raise InputError(
-            f"{obj.name}: the hips bone {hips.name!r} is connected to its parent and cannot move; "
-            "disconnect it in Edit Mode"
-        )
     world = np.array(obj.matrix_world, dtype=np.float64)
     world[:3] *= metres_per_unit
     order, parents = _as_moved(obj, names, parents)
@@ -60,7 +54,16 @@ def armature_to_rig(obj: bpy.types.Object, metres_per_unit: float = 1.0) -> Rig:
         tails=np.array([bones[bone].tail_local for bone in order], dtype=np.float64).reshape(-1, 3),
         world=world,
         roles=tuple(roles[bone] for bone in order),
+        loose=tuple(bone.name for bone in bones if bone.parent and not bone.use_inherit_rotation),
     )
+
+
+def carrier_of(hips: bpy.types.PoseBone) -> bpy.types.PoseBone:
+    """The bone whose location moves the hips: the hips, or the first above that is not connected to its parent."""
+    bone = hips
+    while bone.parent is not None and bone.bone.use_connect:
+        bone = bone.parent
+    return bone
 
 
 def detected_roles(obj: bpy.types.Object) -> dict[str, str]:
@@ -114,14 +117,14 @@ def rig_doubts(obj: bpy.types.Object) -> tuple[str, ...]:
         doubts.append("Constraints act on the object: where they move it, the bake goes along")
     constrained = [bone.name for bone in mapped if any(not c.mute for c in bone.constraints)]
     if constrained:
-        doubts.append(f"Constraints act on {_some(constrained)} and go on top of the bake")
+        doubts.append(f"Constraints act on {some(constrained)} and go on top of the bake")
     loose = [bone.name for bone in mapped if bone.parent and not bone.bone.use_inherit_rotation]
     if loose:
-        doubts.append(f"{_some(loose)}: Inherit Rotation is off, the pose will differ")
+        doubts.append(f"{some(loose)}: Inherit Rotation is off, the pose will differ")
     for switch, (wanted, why) in SWITCHES.items():
         wrong = [b.name for b in obj.pose.bones if switch in b and abs(b[switch] - wanted) > 1e-3]
         if wrong:
-            doubts.append(f"{_some(wrong)}: {switch} {why}; set it to {wanted:g}")
+            doubts.append(f"{some(wrong)}: {switch} {why}; set it to {wanted:g}")
     data = obj.animation_data
     if data is not None and any(not track.mute for track in data.nla_tracks):
         doubts.append("NLA tracks are active and play below the bake")
@@ -132,7 +135,7 @@ def rig_doubts(obj: bpy.types.Object) -> tuple[str, ...]:
             if any(d.data_path.startswith(f"{bone.path_from_id()}.rotation") for d in data.drivers)
         ]
         if driven:
-            doubts.append(f"Drivers win over keys on {_some(driven)}")
+            doubts.append(f"Drivers win over keys on {some(driven)}")
     return tuple(doubts)
 
 
@@ -261,5 +264,6 @@ def _roles(obj: bpy.types.Object, names: tuple[str, ...], wanted: Mapping[str, s
     return tuple(role_of.get(name, "") for name in names)
 
 
-def _some(names: list[str]) -> str:
+def some(names: list[str]) -> str:
+    """Three names at most, and how many more there are."""
     return ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")

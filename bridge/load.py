@@ -92,10 +92,20 @@ def open_rig(path: Path) -> None:
 
 
 def armature_of(path: Path, name: str) -> bpy.types.Object:
-    """The open scene's armature of a name, its only one for ""; InputError where there is none or more than one."""
+    """The open scene's armature of a name; for "" its only one, or the active one of several.
+
+    Linked ones do not count where there is an override or another that can be keyed.
+
+    Raises:
+        InputError: there is none, or which one is not clear.
+    """
     armatures = [obj for obj in bpy.context.scene.objects if obj.type == "ARMATURE"]
+    armatures = [obj for obj in armatures if obj.library is None] or armatures
     names = ", ".join(obj.name for obj in armatures) or "none"
     chosen = [obj for obj in armatures if name in ("", obj.name)]
+    active = bpy.context.view_layer.objects.active
+    if not name and active in armatures:
+        chosen = [active]
     if len(chosen) != 1:
         wanted = f"no armature {name!r}" if name else f"{len(armatures)} armatures"
         raise InputError(f"{path}: {wanted} in it (it has: {names}); give one as FILE:OBJECT")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -43,3 +45,30 @@ def metres_per_unit(scene: bpy.types.Scene) -> float:
     """How many metres one Blender unit of the scene stands for."""
     units = scene.unit_settings
     return 1.0 if units.system == "NONE" else units.scale_length
+
+
+@contextmanager
+def in_view(obj: bpy.types.Object, scene: bpy.types.Scene) -> Iterator[None]:
+    """A while in which Blender evaluates an object of the scene, though its collections are excluded."""
+    layer = bpy.context.view_layer if bpy.context.scene == scene else scene.view_layers[0]
+    if obj.name in layer.objects:
+        yield
+        return
+    home = scene.collection
+    home.objects.link(obj)
+    layer.update()
+    try:
+        yield
+    finally:
+        home.objects.unlink(obj)
+        layer.update()
+
+
+def leave_edit_mode(obj: bpy.types.Object) -> None:
+    """Leave an armature's Edit Mode, in which Blender shows no animation; what was edited is kept."""
+    data = obj.data
+    if not isinstance(data, bpy.types.Armature) or not data.is_editmode:
+        return
+    with_mode: Any = bpy.context.temp_override(active_object=obj, object=obj)
+    with with_mode:
+        bpy.ops.object.mode_set(mode="OBJECT")

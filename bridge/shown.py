@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import bpy
@@ -10,9 +11,8 @@ from numpy.typing import NDArray
 
 from ..core.maths import quat
 from ..core.pipeline import BakeResult
-from ..core.rig.fit import fit_rig
+from ..core.rig.fit import RigFit, fit_rig
 from .armature import armature_to_rig
-from .targets import open_target
 
 Array = NDArray[np.floating[Any]]
 
@@ -25,6 +25,8 @@ def show_bake(result: BakeResult) -> tuple[Array, Array]:
     Returns:
         World positions `(T, J, 3)` in metres and rotations since T-pose `(T, J, 4)` of the rig's joints.
     """
+    from .targets import open_target
+
     target = open_target(None, result.tracks.fps)
     target.write(result, "Evaluation")
     return joint_poses(bpy.data.objects[target.name], bpy.context.scene, len(result.tracks.rotations))
@@ -34,13 +36,40 @@ def joint_poses(armature: bpy.types.Object, scene: bpy.types.Scene, frames: int)
     """World positions `(T, J, 3)` and rotations since T-pose `(T, J, 4)` of an armature's joints in `frames`
     frames from the scene's start on, as the depsgraph evaluates them."""
     fit = fit_rig(armature_to_rig(armature))
-    columns = np.empty((frames, len(armature.pose.bones), 4, 4), dtype=np.float32)
-    for frame in range(frames):
-        scene.frame_set(scene.frame_start + frame)
-        evaluated = armature.evaluated_get(bpy.context.evaluated_depsgraph_get())
-        evaluated.pose.bones.foreach_get("matrix", columns[frame].reshape(-1))
+    return poses_at(armature, scene, fit, scene.frame_start + np.arange(frames))
+
+
+def poses_at(
+    armature: bpy.types.Object,
+    scene: bpy.types.Scene,
+    fit: RigFit,
+    frames: Sequence[float] | NDArray[Any],
+    metres_per_unit: float = 1.0,
+) -> tuple[Array, Array]:
+    """World positions `(N, J, 3)` in metres and rotations since T-pose `(N, J, 4)` of the joints of a fit.
+
+    Args:
+        armature: in the scene.
+        scene: the active one; its current frame is the same afterwards.
+        fit: of the armature.
+        frames: `(N,)`, which may lie between whole ones.
+        metres_per_unit: of the scene.
+    """
+    columns = np.empty((len(frames), len(armature.pose.bones), 4, 4), dtype=np.float32)
+    worlds = np.empty((len(frames), 1, 4, 4))
+    current, subframe = scene.frame_current, scene.frame_subframe
+    try:
+        for index, frame in enumerate(frames):
+            scene.frame_set(int(np.floor(frame)), subframe=float(frame - np.floor(frame)))
+            evaluated = armature.evaluated_get(bpy.context.evaluated_depsgraph_get())
+            evaluated.pose.bones.foreach_get("matrix", columns[index].reshape(-1))
+            worlds[index] = evaluated.matrix_world
+    finally:
+        scene.frame_set(current, subframe=subframe)
+    bones = [armature.pose.bones.find(name) for name in fit.skeleton.names]
     # Blender hands matrices out column by column
-    matrices = np.swapaxes(columns[:, fit.bones].astype(np.float64), -1, -2)
-    poses = np.array(armature.matrix_world, dtype=np.float64) @ matrices
+    matrices = np.swapaxes(columns[:, bones].astype(np.float64), -1, -2)
+    worlds[..., :3, :] *= metres_per_unit
+    poses = worlds @ matrices
     axes = poses[..., :3, :3] / np.linalg.norm(poses[..., :3, :3], axis=-2, keepdims=True)
     return poses[..., :3, 3], quat.multiply(quat.from_matrix(axes), quat.conjugate(fit.tpose))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 
 import bpy
@@ -15,12 +14,14 @@ from ..core.pipeline import BakeResult
 from ..core.rig.ground import Ground
 from ..core.rig.rig import Rig
 from ..core.transaction import Transaction
-from .action import write_action
-from .armature import armature_to_rig, create_armature, rig_doubts
+from .action import scene_fps, write_action
+from .armature import armature_to_rig, create_armature, rig_doubts, some
 from .errors import writing
 from .exports import Baked, kind_of
 from .ground import chosen_ground
 from .load import append, armature_of, check_ground, open_rig, split_rig
+from .lookup import in_view, leave_edit_mode, metres_per_unit
+from .proof import prove
 
 _WITH_FILES = ("libraries", "images", "sounds", "movieclips", "fonts", "cache_files", "volumes", "texts")
 """Collections of `bpy.data` whose data-blocks have a `filepath`."""
@@ -34,10 +35,14 @@ class Target:
     """The rig found in a file; None until one is made from the database."""
     object_name: str
     fps: float
+    fit_range: bool = True
+    """Whether the scene's range becomes that of the bake."""
     doubts: tuple[str, ...] = ()
     """What on the rig will show in the bake."""
     motion: Motion | None = None
     """What was written, for exports that Blender does not do."""
+    frames: tuple[int, int] = (1, 1)
+    """First and last frame of the bake."""
 
     @property
     def name(self) -> str:
@@ -66,7 +71,7 @@ class Target:
             raise InputError(f"{path}: no object or collection {name!r} in it; give one as FILE.blend:NAME")
         bpy.context.view_layer.update()
         rig = bpy.data.objects.get(self.object_name) if self.rig else None
-        ground = chosen_ground(scene, [found], rig)
+        ground = chosen_ground(scene, [found], rig, metres_per_unit(scene))
         assert ground is not None
         return ground
 
@@ -74,13 +79,17 @@ class Target:
         """Give the rig its action, made first where the file had none, and fit the scene to it."""
         scene = bpy.context.scene
         if self.rig is None:
-            self.object_name = create_armature(result.rig, result.rig.name, scene.collection).name
+            unit = metres_per_unit(scene)
+            self.object_name = create_armature(result.rig, result.rig.name, scene.collection, unit).name
         armature = bpy.data.objects[self.object_name]
         times = [float(time) for time in result.transition_times]
-        write_action(armature, result.tracks, recording, fps=self.fps, marker_times=times)
-        scene.frame_start, scene.frame_end = 1, max(len(result.tracks.rotations), 1)
-        scene.frame_set(1)
-        self.motion = result.motion
+        start = 1 if self.fit_range else scene.frame_start
+        write_action(armature, result.tracks, recording, fps=self.fps, frame_start=start, marker_times=times)
+        if self.fit_range:
+            scene.frame_start, scene.frame_end = 1, max(len(result.tracks.rotations), 1)
+            scene.frame_set(1)
+        prove(armature, scene, result, start)
+        self.motion, self.frames = result.motion, (start, start + max(len(result.tracks.rotations), 1) - 1)
 
     def save(self, output: str, exports: Sequence[str], outputs: Transaction) -> None:
         """Write the .blend and every export.
@@ -90,33 +99,57 @@ class Target:
         """
         assert self.motion is not None
         baked = Baked(bpy.data.objects[self.object_name], self.motion, self.fps)
-        writers = [(path, partial(kind_of(path).write, baked)) for path in exports]
-        folder = Path(output).resolve().parent
-        for path, write in [*writers, (output, partial(_save_copy, folder=folder))]:
+        scene = bpy.context.scene
+        kept = scene.frame_start, scene.frame_end
+        # exports are of the bake, whatever part of it the scene's range is
+        scene.frame_start, scene.frame_end = self.frames
+        for path in exports:
             with outputs.staging(path) as new, writing(path):
-                write(new)
+                kind_of(path).write(baked, new)
+        scene.frame_start, scene.frame_end = kept
+        with outputs.staging(output) as new, writing(output):
+            _save_copy(new, Path(output).resolve().parent)
 
 
-def open_target(spec: str | None, fps: float) -> Target:
+def open_target(
+    spec: str | None, usual_fps: float, fps: float | None = None, fit_range: bool | None = None
+) -> Target:
     """Start from an empty scene, or from a file with the rig.
+
+    A .blend keeps its frame rate, range and current frame where nothing else is asked for.
 
     Args:
         spec: FILE or FILE:OBJECT; None for a rig made from the database.
+        usual_fps: frame rate of a scene that has none of its own.
         fps: frame rate that the scene gets.
+        fit_range: whether the scene's range becomes that of the bake.
 
     Raises:
         InputError: the file or the object in it cannot be used.
     """
     if spec is None:
         bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-        _set_rate(fps)
-        return Target(None, "", fps)
+        _set_rate(fps or usual_fps)
+        return Target(None, "", fps or usual_fps, fit_range is not False)
     path, object_name = split_rig(spec)
     open_rig(path)
-    _set_rate(fps)
+    scene, own = bpy.context.scene, path.suffix.lower() == ".blend"
+    if fps or not own:
+        _set_rate(fps or usual_fps)
     armature = armature_of(path, object_name)
-    bpy.context.view_layer.update()
-    return Target(armature_to_rig(armature), armature.name, fps, rig_doubts(armature))
+    leave_edit_mode(armature)
+    with in_view(armature, scene):
+        bpy.context.view_layer.update()
+        rig = armature_to_rig(armature, metres_per_unit(scene))
+    others = [obj.name for obj in scene.objects if obj.type == "ARMATURE" and obj.name != armature.name]
+    doubts = rig_doubts(armature)
+    if others and not object_name:
+        doubts = (
+            f"The file has {some(others)} too, and this one is active: give another as FILE:OBJECT",
+            *doubts,
+        )
+    fitted = fit_range if fit_range is not None else not own
+    return Target(rig, armature.name, scene_fps(scene), fitted, doubts)
 
 
 def _set_rate(fps: float) -> None:

@@ -11,7 +11,7 @@ from ..core.errors import InputError
 from ..core.files import sha256_of
 from ..core.settings import BakeSettings
 from ..core.transaction import Transaction
-from .common import choose_predictor, load_databases, needing, run, say, tell
+from .common import choose_predictor, each, load_databases, needing, run, say, tell
 from .options import InputPath, OutputPath, add_database, add_output, add_settings, read_settings
 from .verb import Report, Verb
 
@@ -56,6 +56,19 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--predictor", type=InputPath, metavar="P.npz", help='body-orientation weights, or "headset" for none'
     )
+    parser.add_argument(
+        "--fit-range",
+        action=argparse.BooleanOptionalAction,
+        help="make the scene's range that of the bake (default: unless the rig is in a .blend, which keeps its range "
+        "and gets the bake from the range's first frame on)",
+    )
+    parser.add_argument(
+        "--fail-if",
+        action="append",
+        default=[],
+        metavar="CONDITION",
+        help='end with code 3 where a metric is so, as in "foot_skate_cm_s.mean > 2"; may be repeated',
+    )
     add_settings(parser, BakeSettings)
 
 
@@ -83,18 +96,20 @@ def _run(options: argparse.Namespace, outputs: Transaction) -> Report:
     with needing("bpy", NO_BPY):
         from ..bridge import load, targets
     from ..bridge import exports
+    from ..core.evaluation.limits import failures, parse_limit
     from ..core.measure.words import report_in_words
     from ..core.pipeline import bake
 
     settings = read_settings(options, BakeSettings)
+    limits = each(options.fail_if, parse_limit)
     exports.check_targets(options.export)
     if options.fps is not None and not 1.0 <= options.fps <= 1000.0:
         raise InputError(f"--fps {options.fps:g}: give frames per second, such as 24")
     recording = _read_recording(options)
     databases = load_databases(options.database)
     predict = choose_predictor(options.predictor)
-    fps = options.fps or databases[0].fps
-    target = targets.open_target(options.rig, fps)
+    target = targets.open_target(options.rig, databases[0].fps, options.fps, options.fit_range)
+    fps = target.fps
     for doubt in target.doubts:
         tell(f"{target.name}: doubtful: {doubt}")
     ground = target.ground(options.ground) if options.ground else None
@@ -103,6 +118,12 @@ def _run(options: argparse.Namespace, outputs: Transaction) -> Report:
     result.report["inputs"] += _more_inputs(options.predictor, rig, ground_file)
     target.write(result, Path(options.recording).stem)
     target.save(options.output, options.export, outputs)
+    if limits:
+        result.report["limits"] = [limit.text for limit in limits]
+        result.report["failed"] = failures(result.report["metrics"], limits)
+    failed = [f"failed: {line}" for line in result.report.get("failed", [])]
+    for line in (*result.report["warnings"], *failed):
+        tell(f"footwork bake: {line}")
     say(options, *report_in_words(result.report))
     say(
         options,

@@ -9,8 +9,9 @@ import bpy
 from ..bridge import armature
 from ..bridge.action import check_writable, scene_fps, write_action
 from ..bridge.ground import chosen_ground
-from ..bridge.lookup import keep_object, keep_scene, metres_per_unit
+from ..bridge.lookup import in_view, keep_object, keep_scene, leave_edit_mode, metres_per_unit
 from ..bridge.objects import recording_from_objects
+from ..bridge.proof import prove
 from ..bridge.settings import read_settings, typed
 from ..core import pipeline
 from ..core.database.sidecar import load_database
@@ -98,7 +99,6 @@ class FOOTWORK_OT_bake(JobOperator, bpy.types.Operator):
             footwork.rig = rig
         else:
             rig = self._rig.find()
-        report = to_json(result.report, indent=2)
         name = self._name or Path(result.report["inputs"][0]["name"]).stem or "Footwork"
         action = write_action(
             rig,
@@ -113,11 +113,11 @@ class FOOTWORK_OT_bake(JobOperator, bpy.types.Operator):
         if footwork.fit_range:
             scene.frame_start = footwork.frame_start
             scene.frame_end = footwork.frame_start + max(frames - 1, 1)
-        scene.frame_set(scene.frame_current)
+        prove(rig, scene, result, footwork.frame_start)
         figures.show(footwork, result.report, f"{action.name} on {rig.name}", scene_fps(scene))
         text = bpy.data.texts.get(REPORT) or bpy.data.texts.new(REPORT)
-        text.from_string(report)
-        for warning in result.warnings:
+        text.from_string(to_json(result.report, indent=2))
+        for warning in result.report["warnings"]:
             self.tell("WARNING", warning)
         self.tell("INFO", f"{action.name}: {frames} frames on {rig.name}. {figures.in_short(result.report)}")
 
@@ -138,7 +138,11 @@ def read_source(scene: bpy.types.Scene) -> Source:
     else:
         recording = bpy.path.abspath(footwork.recording_path)
     unit = metres_per_unit(scene)
-    rig = None if footwork.rig is None else armature.armature_to_rig(footwork.rig, unit)
+    rig = None
+    if footwork.rig is not None:
+        leave_edit_mode(footwork.rig)
+        with in_view(footwork.rig, scene):
+            rig = armature.armature_to_rig(footwork.rig, unit)
     ground = chosen_ground(scene, (footwork.ground, footwork.ground_collection), footwork.rig, unit)
     path = bpy.path.abspath(footwork.predictor_path)
     return Source(

@@ -22,6 +22,8 @@ from footwork.cli.parser import VERBS, VerbParser, make_parser
 from footwork.cli.verb import Verb
 from footwork.core import presets
 from footwork.core.errors import InputError
+from footwork.core.mocap.demo import demo_skeleton
+from footwork.core.mocap.takes import load_take
 from footwork.core.settings import BakeSettings
 from footwork.nn.predictor import shipped_predictor
 from footwork.nn.weights import save_predictor
@@ -287,6 +289,124 @@ def test_bake_writes_a_blend_a_bvh_and_the_report(
         for kind, path in (("recording", visit), ("database", walk), ("database", crouch))
     ]
     assert sorted(path.name for path in tmp_path.iterdir()) == ["baked.blend", "baked.bvh", "report.json"]
+
+
+LOOK = """
+import bpy, json, os, sys
+path = sys.argv[1]
+bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+if path.endswith(".fbx"):
+    bpy.context.scene.render.fps = 24
+    bpy.ops.import_scene.fbx(filepath=path)
+elif path.endswith(".glb"):
+    bpy.context.scene.render.fps = 24
+    bpy.ops.import_scene.gltf(filepath=path)
+else:
+    bpy.ops.wm.open_mainfile(filepath=path, use_scripts=False)
+scene = bpy.context.scene
+rig = next(obj for obj in scene.objects if obj.type == "ARMATURE")
+before = [scene.render.fps, scene.frame_start, scene.frame_end, scene.frame_current]
+heads = []
+first = int(rig.animation_data.action.frame_range[0])
+for frame in range(first, first + 72, 7):
+    scene.frame_set(frame)
+    pose = rig.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    heads.append([list(pose.matrix_world @ bone.head) for name, bone in sorted(pose.pose.bones.items())])
+door = bpy.data.objects.get("Door")
+print("LOOK" + json.dumps([before, first, heads, door and list(bpy.data.images["wood"].size)]))
+sys.stdout.flush()
+os._exit(0)
+"""
+
+
+@pytest.mark.skipif(not WITH_BPY, reason="bpy is not installed as a module")
+def test_what_a_bake_writes_is_the_same_opened_elsewhere(tmp_path: Path, walk: Path, visit: Path) -> None:
+    """A .blend keeps its rate, range, frame and textures; exports show the same animation, whole."""
+    make = """
+import bpy, os, sys
+folder = sys.argv[1]
+bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+from footwork.bridge.armature import create_armature
+from footwork.core.mocap.demo import demo_skeleton
+from footwork.core.rig.fit import rig_from_skeleton
+scene = bpy.context.scene
+create_armature(rig_from_skeleton(demo_skeleton(), "Rig"), "Rig", scene.collection)
+image = bpy.data.images.new("wood", 8, 8)
+image.filepath_raw, image.file_format = os.path.join(folder, "shot", "wood.png"), "PNG"
+image.save()
+bpy.ops.mesh.primitive_plane_add()
+bpy.context.object.name = "Door"
+image.use_fake_user = True
+scene.render.fps, scene.frame_start, scene.frame_end = 24, 101, 140
+scene.frame_set(117)
+path = os.path.join(folder, "shot", "rig.blend")
+bpy.ops.wm.save_as_mainfile(filepath=path)
+image.filepath = "//wood.png"
+bpy.ops.wm.save_as_mainfile(filepath=path)
+os._exit(0)
+"""
+    (tmp_path / "shot").mkdir()
+    (tmp_path / "out").mkdir()
+    done = subprocess.run(
+        [sys.executable, "-c", make, str(tmp_path)], capture_output=True, timeout=300, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    outputs = [tmp_path / "out" / f"baked.{kind}" for kind in ("blend", "fbx", "glb", "bvh")]
+    command = [sys.executable, "-m", "footwork", "bake", str(visit), "--database", str(walk), "--to", "3"]
+    command += ["--rig", f"{tmp_path / 'shot' / 'rig.blend'}:Rig", "-o", str(outputs[0])]
+    command += [word for path in outputs[1:] for word in ("--export", str(path))]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+    assert done.returncode == 0, done.stderr
+    found = []
+    for path in outputs[:3]:
+        look = [sys.executable, "-c", LOOK, str(path)]
+        text = subprocess.run(look, capture_output=True, text=True, timeout=300, check=True).stdout
+        found.append(json.loads(next(line for line in text.splitlines() if line.startswith("LOOK"))[4:]))
+    (scene, first, blend, textured), (_, _, fbx, _), (_, _, glb, _) = found
+    assert scene == [24, 101, 140, 117] and first == 101 and textured == [8, 8]
+    assert np.ptp(np.array(blend), axis=0).max() > 0.3
+    np.testing.assert_allclose(fbx, blend, atol=2e-3)
+    np.testing.assert_allclose(glb, blend, atol=2e-3)
+    bvh = load_take(outputs[3], 24.0).motion
+    heads = bvh.forward()[0][::7]
+    order = sorted(range(len(bvh.skeleton)), key=lambda joint: bvh.skeleton.names[joint])
+    np.testing.assert_allclose(heads[: len(blend), order], blend, atol=2e-3)
+
+
+@pytest.mark.skipif(not WITH_BPY, reason="bpy is not installed as a module")
+def test_a_judge_that_shares_no_code_finds_the_same_figures(tmp_path: Path, walk: Path, visit: Path) -> None:
+    baked, report, roles = (tmp_path / name for name in ("b.blend", "r.json", "roles.json"))
+    command = [sys.executable, "-m", "footwork", "bake", str(visit), "--database", str(walk), "--from", "2"]
+    command += ["--to", "7", "-o", str(baked), "--json", str(report)]
+    subprocess.run(command, capture_output=True, timeout=300, check=True)
+    body = demo_skeleton()
+    roles.write_text(json.dumps({role: body.names[body.joint(role)] for role in body.roles if role}))
+    judge = [sys.executable, str(ROOT / "tools" / "judge.py"), str(baked), str(report), str(roles)]
+    done = subprocess.run(judge, capture_output=True, text=True, timeout=300, check=False)
+    assert done.returncode == 0 and done.stdout.count("judged") == 3, done.stdout + done.stderr
+    changed = json.loads(report.read_text())
+    changed["metrics"]["nsm_skate_cm_s"]["mean"] *= 1.1
+    report.write_text(json.dumps(changed))
+    assert subprocess.run(judge, capture_output=True, timeout=300, check=False).returncode == 1
+
+
+@pytest.mark.skipif(not WITH_BPY, reason="bpy is not installed as a module")
+def test_bake_ends_with_three_where_a_limit_is_passed(tmp_path: Path, walk: Path, visit: Path) -> None:
+    command = [sys.executable, "-m", "footwork", "bake", str(visit), "--database", str(walk), "--to", "2"]
+    command += ["-o", str(tmp_path / "b.blend"), "--json", str(tmp_path / "r.json")]
+    limits = ["--fail-if", "hand_position_error_cm.mean > 50", "--fail-if", "poses_used > 2"]
+    done = subprocess.run([*command, *limits], capture_output=True, text=True, timeout=300, check=False)
+    assert done.returncode == 3, done.stderr
+    assert "footwork bake: failed: poses_used > 2: it is" in done.stderr.splitlines()[-1]
+    report = json.loads((tmp_path / "r.json").read_text())
+    assert len(report["failed"]) == 1 and report["limits"] == limits[1::2] and report["proof"]["bone"] == ""
+    assert (tmp_path / "b.blend").exists()
+    done = subprocess.run([*command, *limits[:2]], capture_output=True, text=True, timeout=300, check=False)
+    assert done.returncode == 0, done.stderr
+    done = subprocess.run(
+        [*command, "--fail-if", "hands > 1"], capture_output=True, text=True, timeout=300, check=False
+    )
+    assert done.returncode == 2 and "there is no metric 'hands'" in done.stderr
 
 
 @pytest.mark.skipif(not WITH_BPY, reason="bpy is not installed as a module")

@@ -189,20 +189,6 @@ def test_other_copies_hang_where_they_are(empty, why: str) -> None:
     assert after.bones == before.bones and np.array_equal(after.parents, before.parents)
 
 
-def test_hips_that_cannot_move_are_refused(empty) -> None:
-    obj = armature.create_armature(
-        rig_from_skeleton(helpers.skeleton(), "Person"), "Person", empty.collection
-    )
-    bpy.context.view_layer.objects.active = obj
-    bpy.ops.object.mode_set(mode="EDIT")
-    root = obj.data.edit_bones.new("Root")
-    root.tail = obj.data.edit_bones["Hips"].head
-    obj.data.edit_bones["Hips"].parent, obj.data.edit_bones["Hips"].use_connect = root, True
-    bpy.ops.object.mode_set(mode="OBJECT")
-    with pytest.raises(InputError, match="connected"):
-        armature.armature_to_rig(obj)
-
-
 def test_an_armature_is_made_although_the_active_collection_is_hidden(empty) -> None:
     hidden = bpy.data.collections.new("Hidden")
     empty.collection.children.link(hidden)
