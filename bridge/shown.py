@@ -10,26 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.maths import quat
-from ..core.pipeline import BakeResult
 from ..core.rig.fit import RigFit, fit_rig
 from .armature import armature_to_rig
 
 Array = NDArray[np.floating[Any]]
-
-
-def show_bake(result: BakeResult) -> tuple[Array, Array]:
-    """Bake onto a new armature in an empty scene, as the verb `bake` does, and read every frame back.
-
-    Whatever was open in Blender is closed.
-
-    Returns:
-        World positions `(T, J, 3)` in metres and rotations since T-pose `(T, J, 4)` of the rig's joints.
-    """
-    from .targets import open_target
-
-    target = open_target(None, result.tracks.fps)
-    target.write(result, "Evaluation")
-    return joint_poses(bpy.data.objects[target.name], bpy.context.scene, len(result.tracks.rotations))
 
 
 def joint_poses(armature: bpy.types.Object, scene: bpy.types.Scene, frames: int) -> tuple[Array, Array]:

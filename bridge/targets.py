@@ -22,6 +22,7 @@ from .ground import chosen_ground
 from .load import append, armature_of, check_ground, open_rig, split_rig
 from .lookup import in_view, leave_edit_mode, metres_per_unit
 from .proof import prove
+from .shown import Array, joint_poses
 
 _WITH_FILES = ("libraries", "images", "sounds", "movieclips", "fonts", "cache_files", "volumes", "texts")
 """Collections of `bpy.data` whose data-blocks have a `filepath`."""
@@ -150,6 +151,19 @@ def open_target(
         )
     fitted = fit_range if fit_range is not None else not own
     return Target(rig, armature.name, scene_fps(scene), fitted, doubts)
+
+
+def show_bake(result: BakeResult) -> tuple[Array, Array]:
+    """Bake onto a new armature in an empty scene, as the verb `bake` does, and read every frame back.
+
+    Whatever was open in Blender is closed.
+
+    Returns:
+        World positions `(T, J, 3)` in metres and rotations since T-pose `(T, J, 4)` of the rig's joints.
+    """
+    target = open_target(None, result.tracks.fps)
+    target.write(result, "Evaluation")
+    return joint_poses(bpy.data.objects[target.name], bpy.context.scene, len(result.tracks.rotations))
 
 
 def _set_rate(fps: float) -> None:

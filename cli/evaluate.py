@@ -138,7 +138,7 @@ def _run(options: argparse.Namespace, outputs: Transaction) -> Report:
 def blender_show() -> Any:
     """What bakes a result on an armature and reads it back as Blender evaluates it."""
     with needing("bpy", NO_BPY):
-        from ..bridge.shown import show_bake
+        from ..bridge.targets import show_bake
     return show_bake
 
 

@@ -15,7 +15,8 @@ from .body.skeleton import Skeleton
 from .database.motion_database import MotionDatabase
 from .errors import InputError
 from .jobs import Job, part
-from .matching.body_target import body_targets
+from .matching.body_target import body_targets, with_estimate
+from .matching.evidence import feet_evidence, surer_contacts
 from .matching.inertialization import assemble
 from .matching.playback import Playback, match
 from .matching.trajectory import make_trajectory
@@ -108,11 +109,12 @@ def bake(
     # the search works on the database's own body size; alpha bounds metres of the rig, however large it is
     alpha = settings.alpha * min(scales.size, 1.0)
     sized = replace(settings, alpha=alpha * scales.database / scales.rig)
-    playback = yield from part(_match(recording, estimate.yaws, databases, sized, scales.database), 0.05, 0.6)
+    playback = yield from part(_match(recording, estimate, databases, sized, scales.database), 0.05, 0.6)
     clock.lap("search")
 
     yield 0.6, "Blending poses"
-    motion, contacts = assemble(playback, databases, sized)
+    motion, played = assemble(playback, databases, sized)
+    contacts = surer_contacts(played, estimate, settings.step_weight)
     names = ", ".join(base.name for base in databases)
     check_finite(motion.positions, f"a motion database ({names})")
     check_finite(motion.rotations, f"a motion database ({names})")
@@ -145,7 +147,7 @@ def bake(
         *_ground_doubts(avatar.footing, fps),
     )
     yardstick = Yardstick(
-        contacts,
+        played,
         trackers if avatar.footing is None else raised(trackers, avatar.footing.lift * scales.size),
         playback,
         databases,
@@ -182,17 +184,21 @@ def _ground_doubts(footing: Footing | None, fps: float) -> tuple[str, ...]:
 
 def _match(
     recording: Recording,
-    yaws: Array,
+    estimate: BodyEstimate,
     databases: Sequence[MotionDatabase],
     settings: BakeSettings,
     to_database: float,
 ) -> Job[Playback]:
     """The frames to play for a recording scaled to the databases' body."""
-    positions, rotations = joint_targets(scale(recording, to_database))
+    sized = scale(recording, to_database)
+    positions, rotations = joint_targets(sized)
+    head_height = sized.eye_height - float(sized.mounts.offsets[0, 2])
     targets = positions[:, 0, :2]
     if settings.target == "body":
-        targets = body_targets(positions[:, 0], rotations[:, 0], yaws, databases)
-    trajectory = make_trajectory(targets, yaws, databases[0].fps, settings)
+        targets = body_targets(positions[:, 0], rotations[:, 0], estimate.yaws, databases)
+        targets = with_estimate(targets, positions[:, 0, :2], estimate, head_height)
+    trajectory = make_trajectory(targets, estimate.yaws, databases[0].fps, settings)
+    trajectory = replace(trajectory, feet=feet_evidence(estimate, head_height, settings.step_weight))
     heights = recording.positions[:, 0, 2] / recording.eye_height
     return (yield from match(trajectory, heights, databases, settings))
 

@@ -176,6 +176,13 @@ class BakeSettings:
     )
     weight_feet: float = setting(1.0, "Feet", "Weight of feet positions and velocities", low=0.0, high=100.0)
     weight_hips: float = setting(1.0, "Hips", "Weight of the hips' velocity", low=0.0, high=100.0)
+    step_weight: float = setting(
+        1.0,
+        "Follow Steps",
+        "Weight of where the trackers tell that the user's feet are; 0 leaves steps to the trajectory, as in the paper",
+        low=0.0,
+        high=10.0,
+    )
     height_margin: float = setting(
         0.02,
         "Height Margin",
@@ -201,11 +208,12 @@ class BakeSettings:
     head: bool = setting(True, "Head", "Put the head at the headset")
 
 
-PAPER: Mapping[str, str] = {
+PAPER: Mapping[str, Any] = {
     "search": "greedy",
     "trajectory": "causal",
     "smoothing": "spring",
     "target": "head",
+    "step_weight": 0.0,
 }
 """The bake settings that make the search the paper's."""
 BAKE_PRESETS: Mapping[str, Mapping[str, Any]] = {

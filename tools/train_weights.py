@@ -25,13 +25,17 @@ ALLOWED = {
     "cmu/*.bvh": CMU,
     "cmu/basketball/*.bvh": CMU,
     "cmu/dance_and_martial/*.bvh": CMU,
+    "cmu/walks/*.bvh": CMU,
+    "cmu/more/*.bvh": CMU,
+    "o3de/*.bvh": "MIT, Open 3D Engine contributors (elected from Apache-2.0 or MIT)",
+    "reactidle/*.bvh": "MIT, (c) 2025 RSAIT",
 }
 """Patterns of take files below the folder, and their licence. Curation leaves out what has drifted."""
 HELD_OUT = ("006_12", "007_10", "martial_08", "salsa_14", "100STYLE_Neutral_FW")
 """Takes kept back to choose the best moment of a training."""
 SETTINGS = {
-    "look-ahead": TrainSettings(kind="look-ahead", voters=2, time_limit=3600.0, patience=1000),
-    "causal": TrainSettings(kind="causal", voters=2, time_limit=3600.0, patience=1000),
+    "look-ahead": TrainSettings(kind="look-ahead", hidden=512, epochs=30, time_limit=3600.0, patience=1000),
+    "causal": TrainSettings(kind="causal", hidden=512, epochs=30, time_limit=3600.0, patience=1000),
     "paper": TrainSettings(kind="paper", time_limit=3600.0, patience=1000),
 }
 WEIGHTS = Path(__file__).parents[1] / "nn" / "weights"
@@ -41,7 +45,10 @@ def main() -> None:
     """Train the kinds named on the command line, or all."""
     parser = argparse.ArgumentParser(description=str(__doc__).split("\n\n")[0])
     parser.add_argument(
-        "folder", type=Path, metavar="TAKES_FOLDER", help="has the folders xsens, fubot_vr and cmu"
+        "folder",
+        type=Path,
+        metavar="TAKES_FOLDER",
+        help="has the folders xsens, fubot_vr, cmu, o3de and reactidle",
     )
     parser.add_argument("kinds", nargs="*", metavar="KIND", help=f"{', '.join(SETTINGS)} (default: all)")
     options = parser.parse_args()

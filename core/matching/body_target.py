@@ -1,7 +1,8 @@
 """The body under the head: by how much the head is ahead of the hips, learned from the motion databases.
 
 A head that comes down or tips over tells of a lean, much the same one for different people. A linear model of the
-databases' own poses takes most of the distance between head and hips out of the target of the virtual root.
+databases' own poses takes most of the distance between head and hips out of the target of the virtual root. Where the
+body estimate knows the hips too, both answers are weighed by how far off they are.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from ..body import forward_kinematics as fk
 from ..body import hierarchy
 from ..database.motion_database import MotionDatabase
 from ..maths import angles, quat
+from ..recording.body_estimate import BodyEstimate
 
 Array = NDArray[np.floating[Any]]
 
@@ -25,6 +27,11 @@ _TREMOR = np.array([0.05, 0.01, 0.05])
 """Spread of side tilt, height in metres and forward tilt that means nothing: shrinks what little movement shows."""
 _TAIL = 1.0
 """Percent at either end that is not trusted: beyond, inputs and leans count as there."""
+
+_OWN_M = 0.04
+"""Metres in each direction that the databases' lean is off."""
+_SUIT_M = 0.04
+"""Metres in each direction that an estimate is off beside its spread, for suits and people that it has not seen."""
 
 
 def body_targets(
@@ -56,6 +63,23 @@ def body_targets(
     away = np.column_stack([(here - centre)[:, :1] @ side, ahead + (here - centre)[:, 1:] @ front])
     away = np.clip(away, *np.percentile(places[:, :2], [_TAIL, 100.0 - _TAIL], axis=0))
     return head_positions[:, :2] - angles.turn(away, yaws)
+
+
+def with_estimate(targets: Array, heads: Array, estimate: BodyEstimate, head_height: float) -> Array:
+    """Targets `(T, 2)` drawn to where an estimate has the hips; the same where it knows none.
+
+    Args:
+        targets: `(T, 2)` from `body_targets`, metres.
+        heads: `(T, 2)` head joint over the ground, metres.
+        estimate: of the same frames.
+        head_height: of the head joint of the databases' body when it stands upright, metres.
+    """
+    if estimate.hips is None:
+        return targets
+    hips = heads + angles.turn(estimate.hips.mean[:, :2] * head_height, estimate.yaws)
+    off = _SUIT_M**2 + (estimate.hips.spread * head_height) ** 2
+    share = _OWN_M**2 / (_OWN_M**2 + off)
+    return targets + share[:, None] * (hips - targets)
 
 
 def _fit(inputs: Array, outputs: Array, tremor: Array) -> Array:

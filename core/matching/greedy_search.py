@@ -12,9 +12,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..database.motion_database import FEATURE_COUNT, POSE, TRAJECTORY, MotionDatabase
+from ..database.motion_database import FEATURE_COUNT, FEATURE_GROUPS, POSE, TRAJECTORY, MotionDatabase
 from ..jobs import Job
+from ..maths import angles
 from ..settings import BakeSettings
+from .evidence import FEET_M
 from .root_motion import RootMotion, goals_of, last_frames
 from .schedule import Frames, Schedule
 from .search import PlainSearch, Search, feature_weights, make_search, trajectory_only
@@ -24,6 +26,10 @@ Array = NDArray[np.floating[Any]]
 
 NEAR_S = 1.0 / 3.0
 """A find within this time of the present frame in its clip is left alone: the clip gets there by itself."""
+FOLLOWED = 4.0
+"""What the user's feet, where they are surely known, weigh beside those that play."""
+_FEET = tuple(FEATURE_GROUPS[f"{side}_foot_position"].start for side in ("left", "right"))
+"""First columns of the places of left and right foot: x and y."""
 QUICK_CHANGE = 0.2**2 * 60.0
 """Rise of the target's squared speed, (m/s)^2 per second, from which a search does not wait: 0.2^2 a frame
 at 60 fps."""
@@ -125,13 +131,29 @@ class _Greedy:
         if now is not then:
             pose = pose * now.features.deviation[POSE] + now.features.mean[POSE]
             pose = (pose - then.features.mean[POSE]) / then.features.deviation[POSE]
-        query = self._query(t, then, pose)
+        query = self._query(t, then, self._stepping(t, then, pose))
         may_stay = wanted == database and frame < now.last[frame]
         found, _ = then.search.nearest(query, then.search.cost(query, frame) if may_stay else math.inf)
         near = abs(found - frame) <= NEAR_S * self._trajectory.fps and now.last[found] == now.last[frame]
         if found < 0 or (may_stay and near):
             return frame, False
         return found, True
+
+    def _stepping(self, t: int, database: _SearchedDatabase, pose: Array) -> Array:
+        """Normalised pose features `(15,)` whose feet are drawn to where the user's are, if that is known."""
+        evidence = self._trajectory.feet
+        if evidence is None:
+            return pose
+        ankles = angles.turn(evidence.ankles[t, :, :2], np.full(2, -self._root[2]))
+        out = np.array(pose)
+        for foot, first in enumerate(_FEET):
+            columns = slice(first, first + 2)
+            wanted = (ankles[foot] - database.features.mean[columns]) / database.features.deviation[columns]
+            weight = FEET_M**2 * evidence.weights[t, foot]
+            share = FOLLOWED * weight / (1.0 + FOLLOWED * weight)
+            place = slice(first - POSE.start, first - POSE.start + 2)
+            out[place] += share * (wanted - out[place])
+        return out
 
     def _query(self, t: int, database: _SearchedDatabase, pose: Array) -> Array:
         """The query `(27,)` at `t`: the wanted future seen from the root, normalised, and the normalised

@@ -2,8 +2,9 @@
 
 A greedy search takes the best frame now and pays for it later. Here the likeliest few dozen histories are kept, each
 with the root where its own motion has brought it; at every step each of them plays on or changes to one of the frames
-nearest to its query. It is charged for where that leaves the root, for facing wrong, and for each change by how far
-the poses differ. The cheapest history at the end is played. It sees the recording's future whatever the trajectory.
+nearest to its query, or to one of those that fit the user's feet best where these are known. It is charged for where
+that leaves the root, for facing wrong, for feet that are elsewhere than the user's, and for each change by how far the
+poses differ. The cheapest history at the end is played. It sees the recording's future whatever the trajectory.
 """
 
 from __future__ import annotations
@@ -20,10 +21,11 @@ from ..database.motion_database import POSE, TRAJECTORY, MotionDatabase
 from ..jobs import Job
 from ..maths import angles
 from ..settings import BakeSettings
+from .evidence import FeetTable, likely_frames
 from .root_motion import last_frames
 from .schedule import Frames, Schedule
 from .search import feature_weights
-from .trajectory import Trajectory
+from .trajectory import FeetEvidence, Trajectory
 
 Array = NDArray[np.floating[Any]]
 
@@ -35,6 +37,8 @@ POSITION_M, YAW_RAD = 0.10, 0.20
 """Distance and turn from the target that cost 1 at a step."""
 CHANGE_COST = 1.0
 """What a change costs however alike the poses are: 1.7 instead of 2.1 of them a second for 0.2 degrees of yaw."""
+FEET_CHANGE_COST = 2.0
+"""The same where the feet are known: their evidence pays for more changes than motion needs."""
 JUMP_WEIGHT = 0.35
 """Weight on the squared distance of pose features at a change."""
 FUTURE_WEIGHT = 0.05
@@ -89,11 +93,17 @@ def find_path(
     beam = _Beam(goals[:1].copy(), np.array([-1]), np.zeros(1))
     kept: list[_Options] = []
     before = indexed[int(wanted[0])]
+    if trajectory.feet is not None:
+        for index in indexed.values():
+            index.learn_feet(trajectory.feet, trajectory, np.array(times, dtype=np.intp))
     for k, t in enumerate(times):
         index, stop = indexed[int(wanted[t])], times[k + 1] if k + 1 < len(times) else max(end, t)
         poses = before.raw_poses(beam.frames) if k else None
-        options = index.options(beam, trajectory, t, stop - t, poses, may_stay=k > 0 and index is before)
-        costs, roots = _charge(index, beam, options, goals, (t, stop), poses, settings.alpha)
+        likely = None if index.likely is None else index.likely[k]
+        options = index.options(
+            beam, trajectory, t, stop - t, poses, likely, may_stay=k > 0 and index is before
+        )
+        costs, roots = _charge(index, beam, options, goals, (t, stop), poses, settings.alpha, trajectory.feet)
         costs += FUTURE_WEIGHT * index.misfit(beam, options, trajectory, t)
         best = _prune(costs, options.frames)
         kept.append(_Options(options.parents[best], options.frames[best], options.changes[best]))
@@ -111,6 +121,7 @@ def _charge(
     span: tuple[int, int],
     poses: Array | None,
     alpha: float,
+    feet: FeetEvidence | None,
 ) -> tuple[Array, Array]:
     """Costs `(N,)` of the histories with each option taken, and their roots `(N, 3)` at the end of the span."""
     start, stop = span
@@ -121,9 +132,12 @@ def _charge(
         away = roots - goals[t]
         squared = np.sum(away[:, :2] ** 2, axis=-1) / POSITION_M**2 + (angles.wrap(away[:, 2]) / YAW_RAD) ** 2
         costs += 0.5 * squared
+        if feet is not None:
+            costs += 0.5 * index.feet_costs(feet, t, options.frames + t - start, roots[:, 2])
     if poses is not None:
         jumps = index.jumps(poses[options.parents], options.frames)
-        costs += np.where(options.changes, CHANGE_COST + JUMP_WEIGHT * jumps, 0.0)
+        fixed = CHANGE_COST if feet is None else FEET_CHANGE_COST
+        costs += np.where(options.changes, fixed + JUMP_WEIGHT * jumps, 0.0)
     away = roots[:, :2] - goals[stop, :2]
     distance = np.linalg.norm(away, axis=-1, keepdims=True)
     held = goals[stop, :2] + away * np.minimum(1.0, alpha / np.maximum(distance, 1e-9))
@@ -151,6 +165,10 @@ class _IndexedDatabase:
 
     def __init__(self, database: MotionDatabase, settings: BakeSettings) -> None:
         features, poses = database.features, database.poses
+        self._database = database
+        self._feet: FeetTable | None = None
+        self.likely: Frames | None = None
+        """`(K, M)` frames that fit the user's feet at each time of a search; None where these are not known."""
         self._mean, self._deviation = features.mean, features.deviation
         self._scale = np.sqrt(feature_weights(settings))
         self._values = np.asarray(features.values * self._scale, dtype=np.float32)
@@ -165,6 +183,17 @@ class _IndexedDatabase:
         self._found = np.ascontiguousarray(self._values[self._rows].swapaxes(0, 1))
         self._squares = np.einsum("ijk,ijk->ij", self._found, self._found)
 
+    def learn_feet(self, evidence: FeetEvidence, trajectory: Trajectory, times: Frames) -> None:
+        """Make ready for evidence of the feet at `times` `(K,)`."""
+        self._feet = FeetTable(self._database)
+        found = self._rows.ravel()
+        self.likely = likely_frames(self._database, self._feet, found, evidence, trajectory, times)
+
+    def feet_costs(self, evidence: FeetEvidence, t: int, frames: Frames, yaws: Array) -> Array:
+        """What `frames` `(N,)` at `t`, with roots at `yaws` `(N,)`, cost by evidence that was learned."""
+        assert self._feet is not None
+        return self._feet.costs(evidence, t, frames, yaws)
+
     def raw_poses(self, frames: Frames) -> Array:
         """Pose features `(B, 15)` of frames, in metres and m/s: what another database can be asked with."""
         scaled = self._values[frames, POSE] / np.where(self._scale[POSE] > 0.0, self._scale[POSE], 1.0)
@@ -177,15 +206,19 @@ class _IndexedDatabase:
         t: int,
         length: int,
         poses: Array | None,
+        likely: Frames | None,
         *,
         may_stay: bool,
     ) -> _Options:
-        """For each history the frames nearest to its query, and playing on where its clip is long enough."""
+        """For each history the frames nearest to its query, the `likely` ones `(M,)`, and playing on where its clip is
+        long enough."""
         queries = np.zeros((len(beam.roots), self._values.shape[1]), dtype=np.float32)
         queries[:, TRAJECTORY] = self._wanted(beam, trajectory, t)
         if poses is not None:
             queries[:, POSE] = self._normalized(poses)
         found = self._nearest(queries, pose=poses is not None)
+        if likely is not None:
+            found = np.concatenate([found, np.broadcast_to(likely, (len(found), len(likely)))], axis=-1)
         parents = np.repeat(np.arange(len(found)), found.shape[1])
         frames = found.ravel()
         changes = np.ones(len(frames), dtype=np.bool_)

@@ -26,6 +26,18 @@ steps."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class FeetEvidence:
+    """Where the user's ankles are, and which feet stand, over time."""
+
+    ankles: Array
+    """`(T, 2, 3)` metres from the hips, along the world's axes, on the databases' body."""
+    weights: Array
+    """`(T, 2)` of the left and the right foot, 1/m^2."""
+    standing: Array | None
+    """`(T, 2)` how likely each foot stands, 0 to 1."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Trajectory:
     """Targets and wanted futures for every frame of a recording, in the world."""
 
@@ -40,6 +52,8 @@ class Trajectory:
     """`(T, 3, 2)` metres: where the virtual root should be at each of `HORIZONS_S`."""
     future_yaws: Array
     """`(T, 3)` radians: where the body should face then."""
+    feet: FeetEvidence | None = None
+    """Where the user's feet are, as far as that is known."""
 
     def __len__(self) -> int:
         return len(self.yaws)
