@@ -20,7 +20,7 @@ from ..json_text import to_json
 from ..mocap.take import Take
 from ..settings import DatabaseSettings, check
 from .carry import carry_over
-from .clips import Exclusion, check_exclusions, file_name, kept_ranges
+from .clips import Exclusion, check_exclusions, file_name, glitch_exclusions, kept_ranges
 from .contact_edits import ContactEdit, check_contact_edits, edit_contacts, edits_of
 from .contacts import detect_contacts
 from .features import clip_features, horizon_frames, normalize_features
@@ -59,7 +59,8 @@ def build_database(
 
     Takes on another skeleton than the database's are carried over by joint role, takes at another rate are
     resampled, and brought to `settings.body_height`; a height range left at its default is then the usual one of
-    that height. With `settings.mirror` the mirror images follow after all clips.
+    that height. With `settings.mirror` the mirror images follow after all clips. Stretches in which a limb is thrown as
+    no limb is are left out too; the provenance has a line for each under `skipped`.
 
     Args:
         takes: at least one.
@@ -91,7 +92,9 @@ def build_database(
     for i, (take, motion) in enumerate(zip(takes, motions, strict=True)):
         yield 0.2 + 0.75 * i / len(takes), f"Features of {take.name}"
         edits = edits_of(take, contact_edits)
-        for clip in _clips(take, motion, exclude, skipped):
+        wild = glitch_exclusions(take)
+        skipped += [f"{item}: a limb moves as no limb does, a glitch" for item in wild]
+        for clip in _clips(take, motion, [*exclude, *wild], skipped):
             part = cut(motion, clip.start, clip.stop)
             contacts = edit_contacts(detect_contacts(part, settings), edits, motion.fps, clip.start)
             part = at_body_height(part, contacts, settings.body_height, standing)

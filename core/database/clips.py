@@ -7,7 +7,10 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from ..errors import InputError
+from ..mocap.checks import glitches
 from ..mocap.take import Take
 
 SECONDS = r"(\d*\.?\d*)\s*-\s*(\d*\.?\d*)\s*"
@@ -67,6 +70,18 @@ def check_exclusions(takes: Sequence[Take], exclusions: Sequence[Exclusion]) -> 
             raise InputError(
                 f"exclude {exclusion.take!r}: from {exclusion.start:g} s is past its end at {length:.2f} s"
             )
+
+
+def glitch_exclusions(take: Take) -> list[Exclusion]:
+    """The stretches of a take in which a limb glitches (`core.mocap.checks.glitches`)."""
+    bad = np.concatenate([[False], glitches(take.motion), [False]]).astype(np.int8)
+    edges = np.diff(bad)
+    fps = take.motion.fps
+    starts, stops = np.flatnonzero(edges == 1).tolist(), np.flatnonzero(edges == -1).tolist()
+    return [
+        Exclusion(take.name, round(start / fps, 3), round(stop / fps, 3))
+        for start, stop in zip(starts, stops, strict=True)
+    ]
 
 
 def kept_ranges(

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..body.motion import Motion
 from ..body.pose import role_poses
-from ..body.skeleton import ARM, SIDES
+from ..body.skeleton import ARM, LEG, SIDES
 from ..maths import angles, kinematics, quat
 
 Array = NDArray[np.floating[Any]]
@@ -20,6 +20,10 @@ _DRIFT_PART_S = 8.0
 _DRIFT_PARTS = 6
 ARM_JUMP = np.radians(40.0)
 """An arm joint does not turn by this from one frame to the next."""
+_THROWN = 18.0
+"""Metres a second, from the hips, that no hand or foot of a person of usual size reaches: a hard kick is 15."""
+_BESIDE_S = 0.1
+"""What lies this near to a glitch has been smoothed into it."""
 _UPRIGHT = np.cos(np.radians(45.0))
 """Height of the hips' unit up vector from which a body counts as upright."""
 _HIPS_JUMP = 0.06
@@ -37,6 +41,40 @@ def heading_parts(motion: Motion) -> Array | None:
     _, rotations = role_poses(motion, ("head",))
     aside = angles.wrap(quat.heading(rotations[:, 0]) - quat.heading(motion.rotations[:, 0]))
     return np.array([_circular_median(part) for part in np.array_split(aside, count)])
+
+
+def drifted(parts: Array) -> NDArray[np.bool_]:
+    """Which of the `parts` `(P,)` of `heading_parts` tell of drift; none where the take as a whole does not.
+
+    A person who looks aside for a while looks ahead before and after, so that two parts together count: they are far
+    off, or farther from two others than a person turns the head.
+    """
+    pairs = 0.5 * (parts[1:] + parts[:-1])
+    whole = max(np.abs(pairs).max(), np.ptp(pairs)) > DRIFT
+    return (np.abs(parts) > DRIFT) & whole
+
+
+def glitches(motion: Motion) -> NDArray[np.bool_]:
+    """Frames `(T,)` in or beside which a limb is thrown as no limb is.
+
+    Limbs are seen from the hips, so that a run counts no more than a walk. Joints that only turn over do not count:
+    solvers lose the twist of a straight limb in good takes too.
+    """
+    skeleton = motion.skeleton
+    roles = [
+        f"{part}.{side}" for side in SIDES for part in (*ARM, *LEG) if f"{part}.{side}" in skeleton.roles
+    ]
+    positions, _ = role_poses(motion, tuple(roles))
+    away = positions - motion.positions[:, None]
+    size = skeleton.leg_length() / 0.85
+    far = np.linalg.norm(np.diff(away, axis=0), axis=-1) * motion.fps > _THROWN * size
+    wild = far.any(axis=1)
+    bad = np.zeros(len(motion), dtype=np.bool_)
+    bad[1:] |= wild
+    bad[:-1] |= wild
+    half = round(_BESIDE_S * motion.fps)
+    counts = np.convolve(bad, np.ones(2 * half + 1), mode="same")
+    return counts > 0.5
 
 
 def arm_jumps(motion: Motion) -> NDArray[np.intp]:

@@ -18,6 +18,8 @@ Array = NDArray[np.floating[Any]]
 
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inches": 0.0254, "CMU units (5.64 cm)": 0.0254 / 0.45}
 """Length units of BVH files in metres."""
+_STANDS = 0.75
+"""Share of the line from feet to head along an axis from which on that axis surely is up."""
 _BODY_LENGTH = 1.5
 """Metres along thigh, shin and from the hips to the head of an average adult."""
 
@@ -143,12 +145,31 @@ def find_unit(body: RawBody) -> tuple[str, float]:
 
 
 def find_up(body: RawBody) -> tuple[str, float]:
-    """Whether Y or Z points up in the file, and how clearly: the share of the feet-to-head line along it."""
+    """Whether Y or Z points up in the file, and the share of the line from feet to head that lies along it.
+
+    A body that stands for most of the time tells it by that line. Of one that lies or crawls the floor does: whatever
+    it does, its lowest joint is near the floor and the floor stays where it is.
+    """
     feet = 0.5 * (body.positions[:, body.joint("foot.L")] + body.positions[:, body.joint("foot.R")])
     line = body.positions[:, body.joint("head")] - feet
     share = np.mean(line / np.maximum(np.linalg.norm(line, axis=-1, keepdims=True), 1e-9), axis=0)
-    axis = "Y" if abs(share[1]) >= abs(share[2]) else "Z"
+    standing = max(share[1], share[2])
+    if standing >= _STANDS:
+        return ("Y" if share[1] >= share[2] else "Z"), float(standing)
+    size = float(np.linalg.norm(line, axis=-1).max())
+    unlikely = [_off_floor(body.positions[..., axis], size) - share[axis] for axis in (1, 2)]
+    axis = "YZ"[int(np.argmin(unlikely))]
     return axis, float(share["XYZ".index(axis)])
+
+
+def _off_floor(heights: Array, size: float) -> float:
+    """How far `heights` `(T, J)` are from those over a floor at 0, in shares of the body's size.
+
+    The lowest joint stays within a narrow band, and that is where the file has its floor.
+    """
+    lowest = heights.min(axis=1)
+    low, middle, high = np.percentile(lowest, (5.0, 50.0, 95.0))
+    return float((high - low + 0.5 * abs(middle)) / max(size, 1e-9))
 
 
 def _length(body: RawBody, first: int, last: int) -> float:

@@ -255,7 +255,7 @@ def _check(motion: Motion, cut: int, notes: _Notes) -> None:
                 "left and right are swapped, or the file is mirrored"
             )
     parts = checks.heading_parts(motion)
-    if parts is not None and np.abs(parts).max() > checks.DRIFT:
+    if parts is not None and checks.drifted(parts).any():
         listed = " ".join(str(round(value)) for value in np.degrees(parts).tolist())
         notes.doubts.append(
             f"drift: the head's heading parts from the hips' by {listed} degrees over the take's "
@@ -264,6 +264,12 @@ def _check(motion: Motion, cut: int, notes: _Notes) -> None:
     jumps = checks.arm_jumps(motion) + cut
     if len(jumps):
         notes.doubts.append(f"arms jump by more than 40 degrees in one frame, at {_frames(jumps)}")
+    bad = checks.glitches(motion)
+    if bad.any():
+        notes.doubts.append(
+            f"a limb moves as no limb does, at {_frames(np.flatnonzero(bad[1:] & ~bad[:-1]) + 1 + cut)}: "
+            "databases leave these stretches out"
+        )
     jumps = checks.hips_jumps(motion) + cut
     if len(jumps):
         notes.doubts.append(f"the hips jump at {_frames(jumps)}: dropped frames or a splice")

@@ -57,7 +57,7 @@ def find_drift(motion: Motion) -> tuple[int, float] | None:
     parts = checks.heading_parts(motion)
     if parts is None:
         return None
-    beyond = np.flatnonzero(np.abs(parts) > checks.DRIFT)
+    beyond = np.flatnonzero(checks.drifted(parts))
     if len(beyond) == 0:
         return None
     starts = np.cumsum([0, *(len(part) for part in np.array_split(np.arange(len(motion)), len(parts)))])
