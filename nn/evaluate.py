@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.database.virtual_root import virtual_root
+from ..core.evaluation.true_estimate import true_estimate
 from ..core.maths import angles
 from ..core.measure.measures import yaw_errors
 from ..core.mocap.take import Take
@@ -17,7 +18,8 @@ from ..core.recording.recording import Recording
 from ..core.recording.simulate import lose_trackers, simulate_recording
 from ..core.recording.targets import joint_targets
 from .inputs import headings
-from .predictor import headset_forward, predict
+from .part_errors import PARTS, part_errors, pooled
+from .predictor import head_height, headset_forward, predict
 from .weights import Predictor
 
 Array = NDArray[np.floating[Any]]
@@ -73,10 +75,11 @@ def evaluate_predictors(
         lost: "left", "right" or both: controllers that sleep all the time.
 
     Returns:
-        `{"predictors": {name: {"mean", "std", "p95", "per_minute", "percentiles", "causal", "doubt"}},
+        `{"predictors": {name: {"mean", "std", "p95", "per_minute", "percentiles", "causal", "doubt", "parts"}},
         "takes": [{"take", "seconds", "predictors": {name: {"mean", "std", "p95", "per_minute"}}}]}`,
         degrees, ready for JSON. Under `predictors` the takes follow one another; `percentiles` are the 0th to
-        the 100th; `doubt` is the mean deviation that the predictor itself expects, None where it has no notion of it.
+        the 100th; `doubt` is the mean deviation that the predictor itself expects, None where it has no notion of it;
+        `parts` has the means of the figures in `part_errors.PARTS`, None for parts that it does not know.
     """
     ways: dict[str, Callable[[Recording], BodyEstimate]] = {
         HEADSET: headset_forward,
@@ -84,27 +87,36 @@ def evaluate_predictors(
     }
     for name, predictor in predictors.items():
         ways[name] = lambda recording, chosen=predictor: predict(chosen, recording)
-    pooled: dict[str, list[Array]] = {name: [] for name in ways}
+    errors: dict[str, list[Array]] = {name: [] for name in ways}
     doubts: dict[str, list[Array]] = {name: [] for name in ways}
+    parts: dict[str, list[dict[str, Array]]] = {name: [] for name in ways}
     table: list[dict[str, Any]] = []
     for take in takes:
         motion = take.motion
         recording = lose_trackers(simulate_recording(motion, take.name), lost)
         _, truth = virtual_root(motion)
+        size = head_height(recording)
+        body = true_estimate(motion, size)
         row: dict[str, Any] = {}
         for name, way in ways.items():
             found = way(recording)
-            errors = yaw_errors(found.yaws, truth)
-            row[name] = summary_deg(errors, motion.fps)
+            off = yaw_errors(found.yaws, truth)
+            row[name] = summary_deg(off, motion.fps)
             # every take at the same rate, so that a fast camera does not count double
-            frames = np.arange(0.0, len(errors), motion.fps / POOL_RATE).astype(np.intp)
-            pooled[name].append(errors[frames])
+            frames = np.arange(0.0, len(off), motion.fps / POOL_RATE).astype(np.intp)
+            errors[name].append(off[frames])
+            parts[name].append({key: rows[frames] for key, rows in part_errors(found, body, size).items()})
             if found.doubt is not None:
                 doubts[name].append(found.doubt[frames])
         table.append({"take": take.name, "seconds": len(motion) / motion.fps, "predictors": row})
     causal = {name: predictor.causal for name, predictor in predictors.items()}
     overall = {
-        name: {**_pooled_deg(pooled[name], doubts[name]), "causal": causal.get(name, True)} for name in ways
+        name: {
+            **_pooled_deg(errors[name], doubts[name]),
+            "parts": pooled(parts[name]),
+            "causal": causal.get(name, True),
+        }
+        for name in ways
     }
     return {"predictors": overall, "takes": table}
 
@@ -128,9 +140,26 @@ def errors_in_words(report: Mapping[str, Any]) -> list[str]:
         figures = " ".join(f"{row[key]:7.2f}" for key in ("mean", "std", "p95"))
         lines.append(f"{name:24} {figures} {doubt:>7}  {sees}")
     names = list(report["predictors"])
+    lines += _parts_in_words(report["predictors"])
     lines.append("")
     lines.append(f"{'mean by take':40} " + " ".join(f"{name[:14]:>14}" for name in names))
     for take in report["takes"]:
         means = " ".join(f"{take['predictors'][name]['mean']:14.2f}" for name in names)
         lines.append(f"{take['take'][:40]:40} {means}")
+    return lines
+
+
+def _parts_in_words(predictors: Mapping[str, Any]) -> list[str]:
+    """What those that know more than the direction make of it, a line each."""
+    rows = {
+        name: row["parts"]
+        for name, row in predictors.items()
+        if any(v is not None for v in row["parts"].values())
+    }
+    if not rows:
+        return []
+    lines = ["", f"{'parts':24} " + " ".join(f"{name:>14}" for name in PARTS)]
+    for name, parts in rows.items():
+        cells = ("-" if parts[key] is None else f"{parts[key]:.2f}" for key in PARTS)
+        lines.append(f"{name:24} " + " ".join(f"{cell:>14}" for cell in cells))
     return lines

@@ -56,7 +56,7 @@ def test_report_of_a_take():
     report = json.loads(json.dumps(evaluate_predictors([take], predictors)))
     assert list(report["predictors"]) == ["headset", "hands-and-head", *predictors]
     for name, row in report["predictors"].items():
-        assert set(row) == {"mean", "std", "p95", "per_minute", "percentiles", "causal", "doubt"}
+        assert set(row) == {"mean", "std", "p95", "per_minute", "percentiles", "causal", "doubt", "parts"}
         assert row["causal"] is (name != "look-ahead")
     found = report["takes"][0]["predictors"]["headset"]["mean"]
     assert found == pytest.approx(looking_aside(motion).mean())
