@@ -259,9 +259,21 @@ def _roles(obj: bpy.types.Object, names: tuple[str, ...], wanted: Mapping[str, s
         raise InputError(f"{obj.name}: {twice[0]!r} has two roles in its role map; leave one")
     without = [role for role in REQUIRED_ROLES if role not in chosen]
     if without:
-        raise InputError(f"{obj.name}: no bone for {', '.join(without)}; set them in the role map")
+        # of no family's names the nearest one's gap tells more than a list of all roles
+        told = _why_not(obj) if len(without) == len(REQUIRED_ROLES) else f"no bone for {', '.join(without)}"
+        raise InputError(f"{obj.name}: {told}, or set them in the role map")
     role_of = {bone: role for role, bone in chosen.items()}
     return tuple(role_of.get(name, "") for name in names)
+
+
+def _why_not(obj: bpy.types.Object) -> str:
+    """Why no naming family fits the armature."""
+    names, parents, _ = _hierarchy(obj)
+    try:
+        match_roles(names, np.array(parents, dtype=np.intp))
+    except InputError as error:
+        return str(error)
+    return "no bone has a role"
 
 
 def some(names: list[str]) -> str:

@@ -34,7 +34,9 @@ ALLOWED = {
 HELD_OUT = ("006_12", "007_10", "martial_08", "salsa_14", "100STYLE_Neutral_FW")
 """Takes kept back to choose the best moment of a training."""
 SETTINGS = {
-    "look-ahead": TrainSettings(kind="look-ahead", hidden=512, epochs=30, time_limit=3600.0, patience=1000),
+    "look-ahead": TrainSettings(
+        kind="look-ahead", voters=2, hidden=512, epochs=30, time_limit=3600.0, patience=1000
+    ),
     "causal": TrainSettings(kind="causal", hidden=512, epochs=30, time_limit=3600.0, patience=1000),
     "paper": TrainSettings(kind="paper", time_limit=3600.0, patience=1000),
 }

@@ -39,7 +39,8 @@ def match_roles(
 ) -> RoleMatch:
     """Find the role of every joint.
 
-    Prefixes such as "mixamorig:" or "Bip001 ", upper and lower case and separators do not matter.
+    Prefixes such as "mixamorig:" or "Bip001 ", endings that all names share, such as ".001", upper and lower case and
+    separators do not matter.
 
     Args:
         names: joint or bone names `(J,)`.
@@ -55,8 +56,8 @@ def match_roles(
     fitting: NamingFamily | None = None
     nearest: tuple[int, str, list[str]] = (0, "", [])
     for family in families().entries if among is None else among:
-        for prefix in _prefixes(family, reduced):
-            found = _find(family, prefix, reduced, ancestors)
+        for affixes in _affixes(family, reduced):
+            found = _find(family, affixes, reduced, ancestors)
             missing = [role for role in REQUIRED_ROLES if role not in found]
             if not missing and len(found) > len(best):
                 best, fitting = found, family
@@ -75,23 +76,33 @@ def match_roles(
     return RoleMatch(fitting.name, tuple(roles), tuple(doubts))
 
 
-def _prefixes(family: NamingFamily, reduced: Sequence[str]) -> list[str]:
-    """What could stand before every name: whatever stands before a name of the hips, none first."""
-    ends = family.names["hips"]
-    found = {name[: len(name) - len(end)] for name in reduced for end in ends if name.endswith(end)}
-    return sorted(found, key=lambda prefix: (len(prefix), prefix))
+def _affixes(family: NamingFamily, reduced: Sequence[str]) -> list[tuple[str, str]]:
+    """What could stand before and after every name: whatever does of a name of the hips, the shortest first."""
+    found = {
+        (name[:at], name[at + len(hips) :])
+        for name in reduced
+        for hips in family.names["hips"]
+        for at in range(len(name) - len(hips) + 1)
+        if name.startswith(hips, at)
+    }
+    return sorted(found, key=lambda affixes: (len(affixes[0]) + len(affixes[1]), affixes))
 
 
 def _find(
-    family: NamingFamily, prefix: str, reduced: Sequence[str], ancestors: Sequence[Sequence[int]]
+    family: NamingFamily,
+    affixes: tuple[str, str],
+    reduced: Sequence[str],
+    ancestors: Sequence[Sequence[int]],
 ) -> dict[str, int]:
-    """The joints that bear this family's names and hang where they should."""
+    """The joints that bear this family's names between the affixes and hang where they should."""
+    before, after = affixes
     first: dict[str, int] = {}
     for joint in reversed(range(len(reduced))):
         first[reduced[joint]] = joint
     found: dict[str, int] = {}
     for role, names in family.names.items():
-        joint = next((first[prefix + name] for name in names if prefix + name in first), None)
+        full = [before + name + after for name in names]
+        joint = next((first[name] for name in full if name in first), None)
         if joint is not None:
             found[role] = joint
     return {role: joint for role, joint in found.items() if _hangs_well(family, role, found, ancestors)}

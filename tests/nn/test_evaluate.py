@@ -75,13 +75,17 @@ def test_the_heuristic_is_square_to_the_hands_of_a_body_at_ease():
 
 
 def test_predictors_are_less_sure_and_err_more_without_controllers():
-    take = Take("walk", "walk.bvh", "0" * 64, demo_motion("walk", seed=6), {}, ())
-    predictors = {"causal": shipped_predictors()["causal"]}
+    takes = [
+        Take(name, f"{name}.bvh", "0" * 64, demo_motion(name, seed=6), {}, ())
+        for name in ("walk", "turn", "visit")
+    ]
+    predictors = {name: shipped_predictors()[name] for name in ("causal", "look-ahead")}
     rows = [
-        evaluate_predictors([take], predictors, lost)["predictors"]
+        evaluate_predictors(takes, predictors, lost)["predictors"]
         for lost in ((), ("left",), ("left", "right"))
     ]
-    assert rows[0]["causal"]["doubt"] < rows[1]["causal"]["doubt"] < rows[2]["causal"]["doubt"]
-    assert rows[0]["causal"]["mean"] < rows[2]["causal"]["mean"]
+    for name in predictors:
+        assert rows[0][name]["doubt"] < rows[2][name]["doubt"]
+        assert rows[0][name]["mean"] < rows[1][name]["mean"] < rows[2][name]["mean"]
     # the headset is there all the same, and has no notion of doubt
     assert len({row["headset"]["mean"] for row in rows}) == 1 and rows[0]["headset"]["doubt"] is None

@@ -100,6 +100,57 @@ TABLE = {
         "{s}_shoulder {s}_arm {s}_elbow {s}_wrist {s}_leg {s}_knee {s}_ankle {s}_toe",
         "Left Right",
     ),
+    "Auto-Rig Pro": (
+        "root.x spine_01.x - spine_02.x spine_03.x neck.x head.x",
+        "shoulder.{s} arm_stretch.{s} forearm_stretch.{s} hand.{s} "
+        "thigh_stretch.{s} leg_stretch.{s} foot.{s} toes_01.{s}",
+        "l r",
+    ),
+    "Auto-Rig Pro FK controls": (
+        "c_root_master.x c_spine_01.x - c_spine_02.x c_spine_03.x c_neck.x c_head.x",
+        "c_shoulder.{s} c_arm_fk.{s} c_forearm_fk.{s} c_hand_fk.{s} "
+        "c_thigh_fk.{s} c_leg_fk.{s} c_foot_fk.{s} c_toes_fk.{s}",
+        "l r",
+    ),
+    "MikuMikuDance": (
+        "センター 上半身 - - 上半身2 首 頭",
+        "{s}肩 {s}腕 {s}ひじ {s}手首 {s}足 {s}ひざ {s}足首 {s}つま先",
+        "左 右",
+    ),
+    "MikuMikuDance, English": (
+        "center upper_body - - upper_body_2 neck head",
+        "shoulder_{s} arm_{s} elbow_{s} wrist_{s} leg_{s} knee_{s} ankle_{s} toe_{s}",
+        "L R",
+    ),
+    "Valve": (
+        "ValveBiped.Bip01_Pelvis ValveBiped.Bip01_Spine - ValveBiped.Bip01_Spine1 ValveBiped.Bip01_Spine2 "
+        "ValveBiped.Bip01_Neck1 ValveBiped.Bip01_Head1",
+        "ValveBiped.Bip01_{s}_Clavicle ValveBiped.Bip01_{s}_UpperArm ValveBiped.Bip01_{s}_Forearm "
+        "ValveBiped.Bip01_{s}_Hand ValveBiped.Bip01_{s}_Thigh ValveBiped.Bip01_{s}_Calf ValveBiped.Bip01_{s}_Foot "
+        "ValveBiped.Bip01_{s}_Toe0",
+        "L R",
+    ),
+    "Second Life": (
+        "mPelvis mTorso - - mChest mNeck mHead",
+        "mCollar{s} mShoulder{s} mElbow{s} mWrist{s} mHip{s} mKnee{s} mAnkle{s} mToe{s}",
+        "Left Right",
+    ),
+    "SMPL add-on": (
+        "m_avg_Pelvis m_avg_Spine1 - m_avg_Spine2 m_avg_Spine3 m_avg_Neck m_avg_Head",
+        "m_avg_{s}_Collar m_avg_{s}_Shoulder m_avg_{s}_Elbow m_avg_{s}_Wrist "
+        "m_avg_{s}_Hip m_avg_{s}_Knee m_avg_{s}_Ankle m_avg_{s}_Foot",
+        "L R",
+    ),
+    "Plain words, L and R": (
+        "Pelvis Spine - - Chest Neck Head",
+        "Clavicle.{s} UpperArm.{s} ForeArm.{s} Hand.{s} Thigh.{s} Shin.{s} Foot.{s} Toe.{s}",
+        "L R",
+    ),
+    "Plain words, Left and Right": (
+        "Pelvis Spine - - Chest Neck Head",
+        "{s}_Collar_Bone {s}_Up_Arm {s}_Low_Arm {s}_Wrist {s}_Thigh {s}_Calf {s}_Ankle {s}_Ball",
+        "left right",
+    ),
     "MPFB and MakeHuman": (
         "root spine05 spine03 spine02 spine01 neck01 head",
         "clavicle.{s} upperarm01.{s} lowerarm01.{s} wrist.{s} upperleg01.{s} lowerleg01.{s} foot.{s} toe1-1.{s}",
@@ -140,7 +191,7 @@ def test_each_naming_is_recognised(preset: str):
 
 
 def test_every_preset_that_ships_is_tested():
-    assert {preset.name for preset in families().entries} == {*TABLE, "Rigify FK controls"}
+    assert {preset.name for preset in families().entries} == {*TABLE, "Rigify FK controls", "Roblox R15"}
     for path in (SHIPPED / KIND).glob("*.json"):
         text = path.read_text(encoding="utf-8")
         assert text == json.dumps(json.loads(text), indent=2) + "\n"
