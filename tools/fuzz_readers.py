@@ -28,6 +28,7 @@ from footwork.core.errors import InputError
 from footwork.core.evaluation.compare import check_report, compare_reports, comparison_in_words
 from footwork.core.jobs import run
 from footwork.core.json_text import parse_json, to_json
+from footwork.core.measure.words import report_in_words
 from footwork.core.mocap import families
 from footwork.core.mocap.bvh import format_bvh
 from footwork.core.mocap.demo import demo_motion
@@ -35,7 +36,7 @@ from footwork.core.mocap.export import to_bvh
 from footwork.core.mocap.families import NamingFamily, read_family
 from footwork.core.mocap.take import Take
 from footwork.core.mocap.takes import load_take
-from footwork.core.pipeline import bake, report_in_words
+from footwork.core.pipeline import bake
 from footwork.core.recording import layouts
 from footwork.core.recording.body_estimate import BodyEstimate
 from footwork.core.recording.csv_format import write_csv
