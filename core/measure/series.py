@@ -29,7 +29,8 @@ def series(values: Values, step_s: float = 1.0) -> dict[str, Any]:
 
 def stretch_means(values: Array, frames: int) -> Array:
     """Means `(S,)` of the values, `(T, ...)`, of every `frames` frames; NaN where none counts."""
-    rows = values.reshape(len(values), -1)
+    # values that need several frames are none at all of a shorter bake; then -1 would be ambiguous
+    rows = values.reshape(len(values), int(np.prod(values.shape[1:])))
     counts = (~np.isnan(rows)).sum(axis=1)
     starts = np.arange(0, len(rows), max(frames, 1))
     total = np.add.reduceat(np.nansum(rows, axis=1), starts)

@@ -20,6 +20,11 @@ def test_means_of_stretches_leave_out_what_does_not_count() -> None:
     np.testing.assert_allclose(stretch_means(rows, 2), [3.0, np.nan, 7.0])
 
 
+@pytest.mark.parametrize("shape", [(0,), (0, 2), (0, 4)])
+def test_a_bake_too_short_to_measure_has_no_stretches(shape: tuple[int, ...]) -> None:
+    assert stretch_means(np.zeros(shape), 30).shape == (0,)
+
+
 def test_series_have_a_value_for_each_second_or_none() -> None:
     made = series(
         values({"root_error_cm": [1, 2, 3, 4, 9], "foot_skate_cm_s": [np.nan] * 4, "pose_jump": [1]})
