@@ -98,6 +98,9 @@ def key_pose(obj: bpy.types.Object, tracks: BoneTracks, fps: float, frame_start:
     turn = carrier.bone.matrix_local.to_3x3().inverted() @ hips.bone.matrix_local.to_3x3()
     locations = tracks.locations @ np.array(turn, dtype=np.float64).T
     _key(action, obj, carrier.path_from_id("location"), carrier.name, frames, locations)
+    for index, bone in enumerate(tracks.placed):
+        path = obj.pose.bones[bone].path_from_id("location")
+        _key(action, obj, path, bone, frames, tracks.places[:, index])
     for index, bone in enumerate(tracks.bones):
         _key_rotation(action, obj, obj.pose.bones[bone], frames, tracks.rotations[:, index])
 

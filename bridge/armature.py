@@ -10,11 +10,13 @@ import numpy as np
 from mathutils import Matrix
 
 from ..core.body import hierarchy
-from ..core.body.skeleton import REQUIRED_ROLES, ROLES
+from ..core.body.skeleton import RIG_ROLES, ROLES
 from ..core.errors import InputError
 from ..core.mocap.families import NamingFamily, families
 from ..core.mocap.roles import match_roles
 from ..core.presets import Presets
+from ..core.rig.limbs import whole_limbs
+from ..core.rig.mirror import unmirrored
 from ..core.rig.rig import Rig
 
 ROLE_MAP = "footwork_roles"
@@ -46,7 +48,7 @@ def armature_to_rig(obj: bpy.types.Object, metres_per_unit: float = 1.0) -> Rig:
     world = np.array(obj.matrix_world, dtype=np.float64)
     world[:3] *= metres_per_unit
     order, parents = _as_moved(obj, names, parents)
-    return Rig(
+    rig = Rig(
         name=obj.name,
         bones=tuple(names[bone] for bone in order),
         parents=np.array(parents, dtype=np.intp),
@@ -56,6 +58,7 @@ def armature_to_rig(obj: bpy.types.Object, metres_per_unit: float = 1.0) -> Rig:
         roles=tuple(roles[bone] for bone in order),
         loose=tuple(bone.name for bone in bones if bone.parent and not bone.use_inherit_rotation),
     )
+    return whole_limbs(unmirrored(rig))
 
 
 def carrier_of(hips: bpy.types.PoseBone) -> bpy.types.PoseBone:
@@ -240,7 +243,7 @@ def _detect(
     names: tuple[str, ...], parents: tuple[int, ...], known: Presets[NamingFamily]
 ) -> tuple[str, tuple[tuple[str, str], ...], tuple[str, ...]]:
     try:
-        match = match_roles(names, np.array(parents, dtype=np.intp), known.entries)
+        match = match_roles(names, np.array(parents, dtype=np.intp), known.entries, RIG_ROLES, apart=True)
     except InputError:
         return "", (), ()
     pairs = tuple((role, name) for role, name in zip(match.roles, names, strict=True) if role)
@@ -257,10 +260,10 @@ def _roles(obj: bpy.types.Object, names: tuple[str, ...], wanted: Mapping[str, s
     twice = [bone for bone in chosen.values() if list(chosen.values()).count(bone) > 1]
     if twice:
         raise InputError(f"{obj.name}: {twice[0]!r} has two roles in its role map; leave one")
-    without = [role for role in REQUIRED_ROLES if role not in chosen]
+    without = [role for role in RIG_ROLES if role not in chosen]
     if without:
         # of no family's names the nearest one's gap tells more than a list of all roles
-        told = _why_not(obj) if len(without) == len(REQUIRED_ROLES) else f"no bone for {', '.join(without)}"
+        told = _why_not(obj) if len(without) == len(RIG_ROLES) else f"no bone for {', '.join(without)}"
         raise InputError(f"{obj.name}: {told}, or set them in the role map")
     role_of = {bone: role for role, bone in chosen.items()}
     return tuple(role_of.get(name, "") for name in names)
@@ -270,7 +273,7 @@ def _why_not(obj: bpy.types.Object) -> str:
     """Why no naming family fits the armature."""
     names, parents, _ = _hierarchy(obj)
     try:
-        match_roles(names, np.array(parents, dtype=np.intp))
+        match_roles(names, np.array(parents, dtype=np.intp), None, RIG_ROLES, apart=True)
     except InputError as error:
         return str(error)
     return "no bone has a role"

@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.mocap.take import Take
-from ..core.rig.fit import fit_rig, rig_from_skeleton, to_bone_tracks
+from ..core.rig.fit import fit_rig, rig_from_skeleton
+from ..core.rig.keys import to_bone_tracks
 from .action import key_pose, new_action, scene_fps
 from .armature import create_armature
 from .contacts import key_contacts

@@ -59,7 +59,7 @@ def prove(obj: bpy.types.Object, scene: bpy.types.Scene, result: BakeResult, fra
     frames = _chosen(result.tracks.rotations)
     with in_view(obj, scene), _activated(scene):
         apart = _compare(obj, scene, fit, meant, frames, frame_start)
-        moved = bool(apart.off[:, 0].any()) and compensate(obj, scene, result, frame_start)
+        moved = bool(apart.off[:, _placed(fit)].any()) and compensate(obj, scene, result, frame_start)
         if moved:
             apart = _compare(obj, scene, fit, meant, frames, frame_start)
         entry: dict[str, Any] = {"frames": len(frames), "compensated": moved, "bone": "", "cause": ""}
@@ -74,6 +74,11 @@ def prove(obj: bpy.types.Object, scene: bpy.types.Scene, result: BakeResult, fra
     entry["rotation_deg"] = float(apart.degrees.max(initial=0.0))
     result.report["proof"] = entry
     return line
+
+
+def _placed(fit: RigFit) -> list[int]:
+    """The joints whose bones have keys of their location."""
+    return [0, *(fit.skeleton.names.index(name) for name, _ in fit.rig.placed)]
 
 
 @contextmanager
@@ -107,7 +112,9 @@ def _compare(
     shown = poses_at(obj, scene, fit, frame_start + frames, metres_per_unit(scene))
     roles = np.array([role != "" for role in fit.skeleton.roles])
     metres: Any = np.linalg.norm(shown[0] - positions, axis=-1) * roles
-    degrees: Any = np.degrees(rotation_errors(shown[1], rotations)) * roles
+    # what stands in for a hand only ends an arm
+    turning = roles & np.array([name not in fit.rig.absent for name in fit.skeleton.names])
+    degrees: Any = np.degrees(rotation_errors(shown[1], rotations)) * turning
     size = float(fit.skeleton.tpose_positions()[:, 2].max()) / USUAL_M
     return _Apart(metres, degrees, (metres > NEAR_M * size) | (degrees > NEAR_DEG))
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..core.maths import quat
 from ..core.rig.fit import RigFit, fit_rig
+from ..core.rig.mirror import MIRROR
 from .armature import armature_to_rig
 
 Array = NDArray[np.floating[Any]]
@@ -53,6 +54,13 @@ def poses_at(
     bones = [armature.pose.bones.find(name) for name in fit.skeleton.names]
     # Blender hands matrices out column by column
     matrices = np.swapaxes(columns[:, bones].astype(np.float64), -1, -2)
+    if fit.rig.mirrored:
+        worlds, matrices = worlds @ MIRROR, MIRROR @ matrices @ MIRROR
+    for joint, name in enumerate(fit.skeleton.names):
+        if name in fit.rig.absent:
+            parent = fit.skeleton.parents[joint]
+            rest, hang = fit.rig.rest[fit.bones[joint]], fit.rig.rest[fit.bones[parent]]
+            matrices[:, joint] = matrices[:, parent] @ (np.linalg.inv(hang) @ rest)
     worlds[..., :3, :] *= metres_per_unit
     poses = worlds @ matrices
     axes = poses[..., :3, :3] / np.linalg.norm(poses[..., :3, :3], axis=-2, keepdims=True)

@@ -28,9 +28,10 @@ from .recording.recording import Recording
 from .recording.resample import resample
 from .recording.targets import joint_targets, raised, scale
 from .rig.avatar import animate
-from .rig.fit import fit_rig, rig_from_skeleton, to_bone_tracks
+from .rig.fit import fit_rig, rig_from_skeleton
 from .rig.gate import check_finite, check_rig, check_tracks
 from .rig.ground import Footing, Ground
+from .rig.keys import to_bone_tracks
 from .rig.rig import BoneTracks, Rig
 from .settings import BakeSettings, check
 

@@ -3,7 +3,7 @@
 import bpy
 
 from ..bridge import armature
-from ..core.body.skeleton import ARM, CENTRE_ROLES, LEG, REQUIRED_ROLES
+from ..core.body.skeleton import ARM, CENTRE_ROLES, LEG, RIG_ROLES
 from ..properties.role_map import attribute, role_label, role_map_of
 from ..properties.scene import FOOTWORK_PG_scene, footwork_of
 from . import text
@@ -21,7 +21,7 @@ class FOOTWORK_PT_rig(Part, bpy.types.Panel):
         if rig is None or rig.type != "ARMATURE":
             return "" if rig is None else "ERROR"
         mapped = armature.role_map(rig)
-        return "CHECKMARK" if all(mapped.get(role) for role in REQUIRED_ROLES) else "ERROR"
+        return "CHECKMARK" if all(mapped.get(role) for role in RIG_ROLES) else "ERROR"
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, footwork = self.layout, footwork_of(context.scene)
@@ -36,7 +36,7 @@ class FOOTWORK_PT_rig(Part, bpy.types.Panel):
         layout.label(
             text=f"Bone names: {preset}" if preset else "Bone names: not recognised", icon="BONE_DATA"
         )
-        missing = [role for role in REQUIRED_ROLES if not armature.role_map(rig).get(role)]
+        missing = [role for role in RIG_ROLES if not armature.role_map(rig).get(role)]
         if missing:
             names = ", ".join(role.replace("_", " ") for role in missing[:4])
             text.notes(

@@ -36,6 +36,9 @@ REQUIRED_ROLES = (
 )
 """A body without one of these cannot be used; chest, neck, clavicles, toes and inner spine joints may be missing."""
 
+RIG_ROLES = tuple(role for role in REQUIRED_ROLES if not role.startswith("hand."))
+"""What a rig must have; where it has no bone for a hand, its forearms end at the wrists."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Skeleton:

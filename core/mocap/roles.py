@@ -35,7 +35,11 @@ class RoleMatch:
 
 
 def match_roles(
-    names: Sequence[str], parents: NDArray[np.intp], among: Sequence[NamingFamily] | None = None
+    names: Sequence[str],
+    parents: NDArray[np.intp],
+    among: Sequence[NamingFamily] | None = None,
+    needed: Sequence[str] = REQUIRED_ROLES,
+    apart: bool = False,
 ) -> RoleMatch:
     """Find the role of every joint.
 
@@ -46,6 +50,8 @@ def match_roles(
         names: joint or bone names `(J,)`.
         parents: `(J,)` index of each one's parent, -1 for none; parents may follow their children.
         among: naming families to try, in order of preference; None for all that are known.
+        needed: roles that must be found.
+        apart: whether a part of a leg may hang on the root, the hips or a part further up, as in some rigs.
 
     Raises:
         InputError: no family has every joint that a body needs; says which one came nearest.
@@ -57,8 +63,8 @@ def match_roles(
     nearest: tuple[int, str, list[str]] = (0, "", [])
     for family in families().entries if among is None else among:
         for affixes in _affixes(family, reduced):
-            found = _find(family, affixes, reduced, ancestors)
-            missing = [role for role in REQUIRED_ROLES if role not in found]
+            found = _find(family, affixes, reduced, ancestors, apart)
+            missing = [role for role in needed if role not in found]
             if not missing and len(found) > len(best):
                 best, fitting = found, family
             if missing and len(found) > nearest[0]:
@@ -93,6 +99,7 @@ def _find(
     affixes: tuple[str, str],
     reduced: Sequence[str],
     ancestors: Sequence[Sequence[int]],
+    apart: bool,
 ) -> dict[str, int]:
     """The joints that bear this family's names between the affixes and hang where they should."""
     before, after = affixes
@@ -105,24 +112,28 @@ def _find(
         joint = next((first[name] for name in full if name in first), None)
         if joint is not None:
             found[role] = joint
-    return {role: joint for role, joint in found.items() if _hangs_well(family, role, found, ancestors)}
+    return {
+        role: joint for role, joint in found.items() if _hangs_well(family, role, found, ancestors, apart)
+    }
 
 
 def _hangs_well(
-    family: NamingFamily, role: str, found: dict[str, int], ancestors: Sequence[Sequence[int]]
+    family: NamingFamily, role: str, found: dict[str, int], ancestors: Sequence[Sequence[int]], apart: bool
 ) -> bool:
     """Whether a joint lies below the hips and below its own limb's joints, and below no other limb."""
     above = {other for other, index in found.items() if index in ancestors[found[role]]}
     if role == "hips":
         return not above
-    if "hips" in found and "hips" not in above:
-        return False
     part, _, side = role.partition(".")
+    if "hips" in found and "hips" not in above and not (apart and part in LEG):
+        return False
     limb: tuple[str, ...] = ARM if part in ARM else LEG if part in LEG else ("neck", "head")
     before = [f"{name}.{side}" if side else name for name in limb[: limb.index(part)]]
     needed = {other for other in before if other.partition(".")[0] not in family.constrained}
     # some rigs hang the collar bones on the neck
     allowed = {"hips", "neck", *before} if limb is ARM else {"hips", *before}
+    if apart and part in LEG:
+        return above <= allowed
     return needed & found.keys() <= above <= allowed
 
 

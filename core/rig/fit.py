@@ -1,4 +1,4 @@
-"""Between a Blender armature and the canonical skeleton: rest alignment there, bone channels back.
+"""A Blender armature as a canonical skeleton.
 
 With a joint's world rotation since T-pose D, the bone's world rotation in T-pose T and the object's
 rotation Q, the bone's pose in armature space is `Q^-1 D T`. T comes from the rest pose with its limbs
@@ -16,13 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..body import hierarchy
-from ..body.edit import resample
-from ..body.motion import Motion
 from ..body.skeleton import CENTRE_ROLES, REQUIRED_ROLES, ROLES, SIDES, Skeleton
 from ..errors import InputError
 from ..maths import quat
 from ..mocap.tpose import tpose_rotations
-from .rig import BoneTracks, Rig
+from .rig import Rig
 
 Array = NDArray[np.floating[Any]]
 
@@ -96,40 +94,6 @@ def rig_from_skeleton(skeleton: Skeleton, name: str) -> Rig:
     rest[:, :3, :3] = np.stack([x, y, np.cross(x, y)], axis=-1)
     rest[:, :3, 3] = heads
     return Rig(name, skeleton.names, skeleton.parents, rest, ends, np.eye(4), skeleton.roles)
-
-
-def to_bone_tracks(motion: Motion, fit: RigFit, fps: float) -> BoneTracks:
-    """Pose-bone channels of a motion on `fit.skeleton`, at `fps` frames per second.
-
-    Bones with a role are keyed, and bones in between that leave their rest. Bones above the hips count as
-    being at rest. Formula: q = (P_parent (R_parent^-1 R))^-1 P with rest R and pose P in armature space; for a
-    loose bone, as for the hips, q = R^-1 P.
-    """
-    motion = resample(motion, fps)
-    skeleton = fit.skeleton
-    loose = np.array([name in fit.rig.loose for name in skeleton.names])
-    loose[0] = True
-    # with a local rotation L, P = P_parent T_parent^-1 L T: before and after L stand constants
-    hang = quat.multiply(quat.conjugate(fit.rest[skeleton.parents]), fit.rest)
-    follows = quat.multiply(fit.tpose[skeleton.parents], hang)
-    before = quat.conjugate(np.where(loose[:, None], quat.multiply(fit.turn, fit.rest), follows))
-    turns = motion.rotations
-    if loose[1:].any():
-        turns = np.where(loose[:, None], motion.forward()[1], turns)
-    # products with constants on both sides as one matrix a joint
-    products = quat.multiply(quat.multiply(before[:, None], np.eye(4)), fit.tpose[:, None])
-    basis = (np.swapaxes(products, -1, -2) @ turns.transpose(1, 2, 0)).transpose(2, 0, 1)
-    moved = np.abs(basis[..., 1:]).max(axis=(0, 2)) > 1e-6
-    keyed = np.flatnonzero(moved | np.array([role != "" for role in skeleton.roles]))
-    heads = fit.rig.rest[fit.bones[0], :3, 3]
-    locations = quat.rotate(quat.conjugate(fit.rest[0]), fit.to_armature(motion.positions) - heads)
-    names = tuple(skeleton.names[j] for j in keyed)
-    return BoneTracks(names, motion.fps, locations, _shortest(quat.continuous(basis[:, keyed])))
-
-
-def _shortest(rotations: Array) -> Array:
-    """Continuous quaternions `(T, K, 4)` with the sign that lies nearer to rest at the first frame."""
-    return np.where(rotations[:1, :, :1] < 0.0, -rotations, rotations)
 
 
 def _object_transform(rig: Rig) -> tuple[Array, float]:

@@ -45,6 +45,8 @@ def check_tracks(tracks: BoneTracks, rig: Rig) -> None:
     placed = (np.abs(tracks.locations) * scale <= FARTHEST).all(axis=-1)
     turned = np.abs(np.linalg.norm(tracks.rotations, axis=-1) - 1.0) <= _UNIT
     turned[:, 0] &= placed
+    for bone, places in zip(tracks.placed, np.moveaxis(tracks.places, 1, 0), strict=True):
+        turned[:, tracks.bones.index(bone)] &= (np.abs(places) * scale <= FARTHEST).all(axis=-1)
     if not turned.all():
         frame, bone = np.unravel_index(int(np.argmin(turned)), turned.shape)
         raise InputError(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -30,6 +30,12 @@ class Rig:
     """`(B,)` humanoid role of each bone, "" for none (see `core.body.skeleton.ROLES`)."""
     loose: tuple[str, ...] = ()
     """Bones whose rotation does not follow their parent's (Blender's Inherit Rotation is off)."""
+    placed: tuple[tuple[str, str], ...] = ()
+    """Bones that hang on another bone than `parents` says, and that bone, "" for none: their location is keyed too."""
+    mirrored: bool = False
+    """Whether the armature is this rig's mirror image in its X axis (see `core.rig.mirror`)."""
+    absent: tuple[str, ...] = ()
+    """Bones that stand in for what the armature does not have."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,3 +49,7 @@ class BoneTracks:
     """`(T, 3)` `PoseBone.location` of the hips bone, armature units in the bone's own rest axes."""
     rotations: Array
     """`(T, K, 4)` `PoseBone.rotation_quaternion`, sign-continuous."""
+    placed: tuple[str, ...] = ()
+    """Further bones `(P,)` whose location is keyed."""
+    places: Array = field(default_factory=lambda: np.zeros((0, 0, 3)))
+    """`(T, P, 3)` `PoseBone.location` of those."""

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from footwork.bridge import action, armature, compat
 from footwork.core.errors import InputError
-from footwork.core.rig.fit import fit_rig, rig_from_skeleton, to_bone_tracks
+from footwork.core.rig.fit import fit_rig, rig_from_skeleton
+from footwork.core.rig.keys import to_bone_tracks
 from footwork.core.rig.rig import BoneTracks
 from mathutils import Euler, Matrix
 

@@ -14,7 +14,8 @@ from footwork.core.body.retarget import retarget
 from footwork.core.errors import InputError
 from footwork.core.mocap.families import KIND
 from footwork.core.presets import SHIPPED, VARIABLE
-from footwork.core.rig.fit import fit_rig, rig_from_skeleton, to_bone_tracks
+from footwork.core.rig.fit import fit_rig, rig_from_skeleton
+from footwork.core.rig.keys import to_bone_tracks
 from footwork.core.rig.rig import Rig
 
 

@@ -137,9 +137,37 @@ def in_edit_mode(scene: bpy.types.Scene, obj: bpy.types.Object) -> None:
     bpy.ops.object.mode_set(mode="EDIT")
 
 
+def edited(obj: bpy.types.Object, change: Callable[[Any], None]) -> None:
+    bpy.context.view_layer.objects.active = obj
+    bpy.ops.object.mode_set(mode="EDIT")
+    change(obj.data.edit_bones)
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def feet_on_root(scene: bpy.types.Scene, obj: bpy.types.Object) -> None:
+    def change(bones: Any) -> None:
+        for name in ("LeftAnkle", "RightAnkle"):
+            bones[name].parent = bones["Root"]
+
+    edited(obj, change)
+
+
+def feet_on_moving_root(scene: bpy.types.Scene, obj: bpy.types.Object) -> None:
+    feet_on_root(scene, obj)
+    moving_parent(scene, obj)
+    travelling_root(scene, obj)
+
+
+def feet_on_trunk(scene: bpy.types.Scene, obj: bpy.types.Object) -> None:
+    def change(bones: Any) -> None:
+        bones["LeftAnkle"].parent, bones["RightAnkle"].parent = bones["Chest"], bones["Hips"]
+
+    edited(obj, change)
+
+
 OVERCOME: list[Callable[..., None]] = [
     moving_parent, constrained_root, travelling_root, driven_root, solo_track, added_action, no_local_location,
-    excluded, in_edit_mode,
+    excluded, in_edit_mode, feet_on_root, feet_on_moving_root, feet_on_trunk,
 ]  # fmt: skip
 
 
@@ -162,6 +190,42 @@ def test_what_can_be_overcome_is(empty, plain, disturb) -> None:
 def test_hips_that_hang_on_the_root_are_carried_by_it(empty, plain) -> None:
     obj = make_rig(empty, connected=True)
     np.testing.assert_allclose(baked(empty, obj), plain, atol=1e-3)
+    assert report()["proof"]["bone"] == ""
+
+
+def test_an_object_with_a_negative_scale_shows_the_same_body(empty, plain) -> None:
+    obj = make_rig(empty)
+    obj.scale = (-1.0, 1.0, 1.0)
+    bpy.context.view_layer.update()
+    swapped = list(range(len(BONES)))
+    for side, other in (("Left", "Right"), ("Right", "Left")):
+        for k, name in enumerate(BONES):
+            if name.startswith(side) and name.replace(side, other) in BONES:
+                swapped[k] = BONES.index(name.replace(side, other))
+    found = baked(empty, obj)[:, swapped]
+    # of the knee that is looked at the other is not
+    np.testing.assert_allclose(found[:, :-1], plain[:, :-1], atol=1e-3)
+    assert report()["proof"]["bone"] == "" and report()["proof"]["position_mm"] < 1.0
+
+
+def test_arms_without_hands_bring_their_ends_to_the_wrists(empty, plain) -> None:
+    obj = make_rig(empty)
+
+    def change(bones: Any) -> None:
+        for name in ("LeftWrist", "RightWrist"):
+            for child in bones[name].children_recursive:
+                bones.remove(child)
+            bones.remove(bones[name])
+
+    edited(obj, change)
+    scene = empty
+    scene.footwork.rig, scene.footwork.recording_to = obj, 3.0
+    assert bpy.ops.footwork.bake() == {"FINISHED"}
+    for index, frame in enumerate((1, 40, 111, 162)):
+        scene.frame_set(frame)
+        for name, elbow in (("LeftWrist", "LeftElbow"), ("RightWrist", "RightElbow")):
+            end = obj.matrix_world @ obj.pose.bones[elbow].tail
+            np.testing.assert_allclose(end, plain[index, BONES.index(name)], atol=1e-3)
     assert report()["proof"]["bone"] == ""
 
 

@@ -9,7 +9,8 @@ from footwork.bridge import action, armature
 from footwork.bridge.shown import joint_poses
 from footwork.core.evaluation.evaluate import agreement
 from footwork.core.measure.subject import Body, body_of
-from footwork.core.rig.fit import fit_rig, rig_from_skeleton, to_bone_tracks
+from footwork.core.rig.fit import fit_rig, rig_from_skeleton
+from footwork.core.rig.keys import to_bone_tracks
 from mathutils import Euler, Matrix
 
 

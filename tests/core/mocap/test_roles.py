@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from footwork.core.body.skeleton import REQUIRED_ROLES, ROLES
+from footwork.core.body.skeleton import REQUIRED_ROLES, RIG_ROLES, ROLES
 from footwork.core.errors import InputError
 from footwork.core.mocap.bvh import read_bvh
 from footwork.core.mocap.families import KIND, families, read_family
@@ -241,6 +241,25 @@ def test_a_body_without_a_required_joint_is_refused(lost: str):
     with pytest.raises(InputError) as error:
         match_roles(names, np.array(parents))
     assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("part", ["Foot", "UpLeg"])
+def test_feet_and_thighs_of_a_rig_may_hang_on_its_root(part: str):
+    names, parents, roles = humanoid("Mixamo")
+    names, parents, roles = ["root", *names], [-1, *(parent + 1 for parent in parents)], ["", *roles]
+    for side in ("Left", "Right"):
+        parents[names.index(f"mixamorig:{side}{part}")] = 0
+    with pytest.raises(InputError, match="is nearest but lacks"):
+        match_roles(names, np.array(parents))
+    assert list(match_roles(names, np.array(parents), apart=True).roles) == roles
+
+
+def test_a_rig_may_be_without_hands():
+    names, parents, roles = humanoid("Mixamo")
+    for side in ("Left", "Right"):
+        roles[names.index(f"mixamorig:{side}Hand")] = ""
+        names[names.index(f"mixamorig:{side}Hand")] = f"Thing{side}"
+    assert list(match_roles(names, np.array(parents), needed=RIG_ROLES).roles) == roles
 
 
 def test_a_body_without_optional_joints_is_taken():

@@ -9,7 +9,8 @@ import pytest
 from footwork.core.body.motion import Motion
 from footwork.core.errors import InputError
 from footwork.core.mocap.demo import demo_skeleton
-from footwork.core.rig.fit import fit_rig, rig_from_skeleton, to_bone_tracks
+from footwork.core.rig.fit import fit_rig, rig_from_skeleton
+from footwork.core.rig.keys import to_bone_tracks
 from footwork.core.rig.rig import BoneTracks, Rig
 from scipy.spatial.transform import Rotation
 

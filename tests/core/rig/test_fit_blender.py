@@ -21,7 +21,8 @@ from footwork.bridge.armature import armature_to_rig, create_armature
 from footwork.core.maths import quat
 from footwork.core.mocap.demo import demo_skeleton
 from footwork.core.body.motion import Motion
-from footwork.core.rig.fit import fit_rig, rig_from_skeleton, to_bone_tracks
+from footwork.core.rig.fit import fit_rig, rig_from_skeleton
+from footwork.core.rig.keys import to_bone_tracks
 
 def check(obj, place):
     obj.matrix_world = place @ obj.matrix_world
