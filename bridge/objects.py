@@ -15,6 +15,7 @@ from ..core.maths import quat
 from ..core.recording.mounts import DEVICE_MOUNTS
 from ..core.recording.raw import RawRecording, Track
 from ..core.recording.read import to_recording
+from ..core.recording.reading.answers import NO_ANSWERS, Answers
 from ..core.recording.recording import TRACKERS, Mounts, Recording
 from ..core.recording.resample import resample
 from .action import key_transform, scene_fps
@@ -57,7 +58,7 @@ def recording_from_objects(
     trackers: Sequence[bpy.types.Object | None],
     *,
     axes: str = "Y_FORWARD",
-    eye_height: float | None = None,
+    answers: Answers = NO_ANSWERS,
 ) -> Recording:
     """The recording that headset, left and right controller objects give over the scene's frame range.
 
@@ -67,7 +68,8 @@ def recording_from_objects(
         scene: gives frame range, rate and unit.
         trackers: headset, left, right; a controller that is None counts as lost.
         axes: "Y_FORWARD" or "CAMERA", see `AXES`.
-        eye_height: metres; None for the empties' own, or else the standing height found in the motion.
+        answers: what a person says of them; by default the eye height is the empties' own, or else the standing
+            height found in the motion.
 
     Raises:
         InputError: there is no headset, an object is given twice, or the range is too short.
@@ -100,7 +102,7 @@ def recording_from_objects(
         states_validity=True,
     )
     digest = hashlib.sha256(positions.tobytes() + rotations.tobytes()).hexdigest()
-    return to_recording(raw, f"objects of scene {scene.name}", digest, eye_height)
+    return to_recording(raw, f"objects of scene {scene.name}", digest, answers)
 
 
 def show_recording(

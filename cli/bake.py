@@ -11,6 +11,7 @@ from ..core.errors import InputError
 from ..core.files import sha256_of
 from ..core.settings import BakeSettings
 from ..core.transaction import Transaction
+from .answers import add_answers, read_answers
 from .common import choose_predictor, each, load_databases, needing, run, say, tell
 from .options import InputPath, OutputPath, add_database, add_output, add_settings, read_settings
 from .verb import Report, Verb
@@ -45,9 +46,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help=f"also write {exports.in_words()}",
     )
-    parser.add_argument(
-        "--eye-height", type=float, metavar="M", help="standing eye height, m (default: the recording's)"
-    )
+    add_answers(parser)
     parser.add_argument(
         "--fps", type=float, metavar="N", help="frame rate of the scene (default: the database's)"
     )
@@ -137,7 +136,7 @@ def _read_recording(options: argparse.Namespace) -> Any:
     from ..core.recording.cut import cut
     from ..core.recording.read import read_recording
 
-    recording = read_recording(options.recording, options.eye_height)
+    recording = read_recording(options.recording, read_answers(options))
     if options.start > 0.0 or options.stop < math.inf:
         recording = cut(recording, options.start, options.stop)
     return recording

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 
 from ..core.transaction import Transaction
+from .answers import add_answers, read_answers
 from .common import each, load_takes, say, tell
 from .options import InputPath, add_output
 from .verb import Report, Verb
@@ -12,17 +13,20 @@ from .verb import Report, Verb
 
 def _add_inspect(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("files", type=InputPath, nargs="+", metavar="FILE", help="BVH takes or recordings")
+    add_answers(parser)
 
 
 def _inspect(options: argparse.Namespace, outputs: Transaction) -> Report:
     """What is in takes and recordings, and what is doubtful."""
     from ..core.mocap.families import families
-    from ..core.mocap.takes import load_take
+    from ..core.mocap.takes import is_take, load_take
     from ..core.recording.layouts import layouts
     from ..core.recording.read import read_recording
 
+    answers = read_answers(options)
+
     def look(path: str) -> Report:
-        found = load_take(path) if path.lower().endswith(".bvh") else read_recording(path)
+        found = load_take(path) if is_take(path) else read_recording(path, answers)
         say(options, path)
         for name, value in found.found.items():
             say(options, f"  {name:<16} {value}")

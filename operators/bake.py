@@ -20,6 +20,7 @@ from ..core.jobs import Job, part
 from ..core.json_text import to_json
 from ..core.recording.cut import cut
 from ..core.recording.read import read_recording
+from ..core.recording.reading.answers import Answers
 from ..core.recording.recording import Recording
 from ..core.rig.ground import Ground
 from ..core.rig.rig import Rig
@@ -28,7 +29,7 @@ from ..nn import predictor
 from ..properties.scene import footwork_of
 from . import figures
 from .job_operator import JobOperator
-from .recording import calibrated, wanted_part
+from .recording import calibrated, read_answers, wanted_part
 
 REPORT = "Footwork Report"
 """Text data-block that holds the last bake's report as JSON."""
@@ -40,7 +41,7 @@ class Source:
 
     recording: Recording | str
     """Sampled scene objects, or a file still to be read."""
-    eye_height: float | None
+    answers: Answers
     part: tuple[float, float]
     """Start and stop in seconds of a file's part."""
     databases: tuple[tuple[str, tuple[float, float]], ...]
@@ -133,7 +134,11 @@ def read_source(scene: bpy.types.Scene) -> Source:
             scene,
             (footwork.head, footwork.left, footwork.right),
             axes=footwork.tracker_axes,
-            eye_height=calibrated(footwork),
+            answers=Answers(
+                swap_hands=footwork.reading.swap_hands,
+                eye_height=calibrated(footwork),
+                force=footwork.reading.force,
+            ),
         )
     else:
         recording = bpy.path.abspath(footwork.recording_path)
@@ -147,7 +152,7 @@ def read_source(scene: bpy.types.Scene) -> Source:
     path = bpy.path.abspath(footwork.predictor_path)
     return Source(
         recording=recording,
-        eye_height=calibrated(footwork),
+        answers=read_answers(footwork),
         part=wanted_part(footwork),
         databases=tuple(
             (bpy.path.abspath(row.path), (typed(row.height_low), typed(row.height_high)))
@@ -166,7 +171,7 @@ def _bake(source: Source):
     yield 0.0, "Reading the recording"
     recording = source.recording
     if isinstance(recording, str):
-        recording = cut(read_recording(recording, source.eye_height), *source.part)
+        recording = cut(read_recording(recording, source.answers), *source.part)
     databases = []
     for path, height_range in source.databases:
         yield 0.02, f"Reading {Path(path).name}"

@@ -16,6 +16,7 @@ from ..core.recording.csv_format import write_csv
 from ..core.recording.cut import cut
 from ..core.recording.formats import suffixes
 from ..core.recording.read import read_recording
+from ..core.recording.reading.answers import Answers
 from ..core.recording.simulate import simulate_recording
 from ..properties.scene import FOOTWORK_PG_scene, footwork_of
 from . import paths
@@ -26,6 +27,21 @@ from .rows import RowOperator, told
 def calibrated(footwork: FOOTWORK_PG_scene) -> float | None:
     """The eye height in metres that was set by hand, if it was."""
     return typed(footwork.eye_height) if footwork.use_eye_height else None
+
+
+def read_answers(footwork: FOOTWORK_PG_scene) -> Answers:
+    """What the panel says of the recording's file."""
+    reading = footwork.reading
+    return Answers(
+        axes="" if reading.axes == "AUTO" else reading.axes,
+        unit="" if reading.unit == "AUTO" else reading.unit,
+        rate=typed(reading.rate) or None,
+        rotation="" if reading.rotation == "AUTO" else reading.rotation,
+        swap_hands=reading.swap_hands,
+        eye_height=calibrated(footwork),
+        force=reading.force,
+        auto_trim=reading.auto_trim,
+    )
 
 
 def wanted_part(footwork: FOOTWORK_PG_scene) -> tuple[float, float]:
@@ -82,7 +98,7 @@ class FOOTWORK_OT_show_recording(RecordingOperator, bpy.types.Operator):
     def work(self, context: bpy.types.Context) -> None:
         scene = context.scene
         footwork = footwork_of(scene)
-        recording = read_recording(bpy.path.abspath(footwork.recording_path), calibrated(footwork))
+        recording = read_recording(bpy.path.abspath(footwork.recording_path), read_answers(footwork))
         recording = cut(recording, *wanted_part(footwork))
         empties = show_recording(recording, scene, footwork.frame_start)
         footwork.head, footwork.left, footwork.right = empties
@@ -122,7 +138,7 @@ def _load(operator: FootworkOperator, footwork: FOOTWORK_PG_scene, path: str) ->
 def _inspect(operator: FootworkOperator, footwork: FOOTWORK_PG_scene) -> None:
     """Show what is found in the recording's file, or what is wrong with it."""
     try:
-        recording = read_recording(bpy.path.abspath(footwork.recording_path), calibrated(footwork))
+        recording = read_recording(bpy.path.abspath(footwork.recording_path), read_answers(footwork))
     except InputError as error:
         footwork.recording_state, footwork.recording_found = "FAULT", ""
         footwork.recording_doubts = str(error)

@@ -29,6 +29,8 @@ class FOOTWORK_PT_recording(Part, bpy.types.Panel):
                 column.prop(footwork, name)
             column.prop(footwork, "tracker_axes")
             _eye_height(column, footwork)
+            column.prop(footwork.reading, "swap_hands")
+            column.prop(footwork.reading, "force")
             return
         if not footwork.recording_path:
             column.operator("footwork.load_recording", icon="FILEBROWSER")
@@ -40,6 +42,7 @@ class FOOTWORK_PT_recording(Part, bpy.types.Panel):
         part = column.row(align=True)
         part.prop(footwork, "recording_from", text="Part")
         part.prop(footwork, "recording_to", text="")
+        _reading(layout, footwork)
         header, body = layout.panel("FOOTWORK_recording_found", default_closed=True)
         header.label(text="In This Recording")
         if body:
@@ -51,6 +54,18 @@ class FOOTWORK_PT_recording(Part, bpy.types.Panel):
             "CANCEL" if footwork.recording_state == "FAULT" else "ERROR",
         )
         layout.operator("footwork.show_recording", icon="EMPTY_ARROWS")
+
+
+def _reading(layout: bpy.types.UILayout, footwork: FOOTWORK_PG_scene) -> None:
+    """What the file does not say, or says wrongly."""
+    header, body = layout.panel("FOOTWORK_recording_reading", default_closed=True)
+    header.label(text="How to Read It")
+    if body:
+        column = body.column()
+        column.use_property_split = True
+        column.use_property_decorate = False
+        for name in ("axes", "unit", "rotation", "rate", "swap_hands", "auto_trim", "force"):
+            column.prop(footwork.reading, name)
 
 
 def _eye_height(layout: bpy.types.UILayout, footwork: FOOTWORK_PG_scene) -> None:

@@ -3,9 +3,9 @@
 import bpy
 from bpy.props import PointerProperty
 
-from . import role_map, rows, scene, settings_groups, upgrade
+from . import reading, role_map, rows, scene, settings_groups, upgrade
 
-CLASSES = (*settings_groups.CLASSES, *rows.CLASSES, *scene.CLASSES, *role_map.CLASSES)
+CLASSES = (*settings_groups.CLASSES, *rows.CLASSES, *reading.CLASSES, *scene.CLASSES, *role_map.CLASSES)
 
 
 def register() -> None:

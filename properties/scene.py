@@ -14,6 +14,7 @@ from bpy.props import (
 from ..bridge.ground import SURFACES
 from ..core.bounds import EYE_HEIGHT
 from .file_path import file_path
+from .reading import FOOTWORK_PG_reading
 from .rows import STATES, FOOTWORK_PG_database, FOOTWORK_PG_figure, FOOTWORK_PG_take
 from .settings_groups import (
     FOOTWORK_PG_bake_settings,
@@ -124,6 +125,7 @@ class FOOTWORK_PG_scene(Versioned, bpy.types.PropertyGroup):
         step=10,
         precision=4,
     )
+    reading: PointerProperty(type=FOOTWORK_PG_reading)
     use_eye_height: BoolProperty(
         name="Eye Height",
         description="Give the eye height by hand instead of finding it in the recording",

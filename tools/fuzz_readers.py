@@ -237,6 +237,51 @@ def table() -> bytes:
     return "\n".join([",".join(names), *lines, ""]).encode()
 
 
+def named(long: bool) -> bytes:
+    """The tracked walk in Unity's axes, with columns of our own naming: wide, or one row a device."""
+    positions = TRACKED.positions[..., (0, 2, 1)]
+    rotations = TRACKED.rotations[..., (1, 3, 2, 0)] * (-1.0, -1.0, -1.0, 1.0)
+    poses = np.concatenate([positions, rotations], axis=-1)
+    parts = [f"{kind}{axis}" for kind, axes in (("pos", "XYZ"), ("rot", "XYZW")) for axis in axes]
+    if long:
+        lines = [
+            ",".join([f"{time:.4f}", device, *(f"{value:.6f}" for value in pose)])
+            for time, row in zip(TRACKED.times, poses, strict=True)
+            for device, pose in zip(("HMD", "LeftController", "RightController"), row, strict=True)
+        ]
+        return "\n".join([",".join(["time", "device", *parts]), *lines, ""]).encode()
+    names = [f"{tracker}_{part}" for tracker in ("camera", "leftHand", "rightHand") for part in parts]
+    lines = [
+        ";".join([f"{time:.4f}", *(f"{value:.6f}" for value in row.ravel())]).replace(".", ",")
+        for time, row in zip(TRACKED.times, poses, strict=True)
+    ]
+    return "\n".join([";".join(["timestamp", *names]), *lines, ""]).encode()
+
+
+def objects() -> bytes:
+    """The tracked walk as JSON of OpenXR's kind."""
+
+    def pose(place: Any, turn: Any) -> dict[str, Any]:
+        x, y, z = (float(value) for value in place)
+        w, a, b, c = (float(value) for value in turn)
+        return {
+            "position": {"x": x, "y": z, "z": -y},
+            "orientation": {"x": a, "y": c, "z": -b, "w": w},
+        }
+
+    frames = [
+        {
+            "time": float(time),
+            **{name: pose(*of) for name, of in zip(NAMES, zip(*row, strict=True), strict=True)},
+        }
+        for time, *row in zip(TRACKED.times, TRACKED.positions, TRACKED.rotations, strict=True)
+    ]
+    return json.dumps({"runtime": "any", "frames": frames}).encode()
+
+
+NAMES = ("view", "/user/hand/left", "/user/hand/right")
+
+
 LAYOUT = (presets.SHIPPED / layouts.KIND / "who_is_alyx.json").read_bytes()
 BONE_MAP = (presets.SHIPPED / families.KIND / "xsens.json").read_bytes()
 BAKE = "--predictor headset --to 1 -o OUT/b.blend --json OUT/r.json"
@@ -310,6 +355,9 @@ def readers(folder: Path) -> list[Reader]:
         ),
         recording("csv", ".csv", content("r.csv"), change_text),
         recording("aframe", ".json", aframe(), change_json),
+        recording("table", ".csv", named(long=False), change_text),
+        recording("long table", ".csv", named(long=True), change_text),
+        recording("objects", ".json", objects(), change_json),
         recording("bsor", ".bsor", replay(), change_replay),
         Reader("layout", ".json", LAYOUT, change_json, read_layout, carry_layout),
         Reader("bone map", ".json", BONE_MAP, change_json, read_family, carry_family),

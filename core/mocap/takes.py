@@ -28,6 +28,7 @@ from .typical import typical_pose
 
 Array = NDArray[np.floating[Any]]
 
+_LOOKED_AT = 512
 _RATES = (5.0, 1000.0)
 """Frames per second of usual mocap."""
 _TPOSE_FRAME = np.radians(25.0)
@@ -38,6 +39,22 @@ _LEAD_OUT_S = 0.1
 """Some converters smooth the jump from the T-pose over a few frames, no more than this."""
 _SLIDE = 0.01
 """Metres that a joint may move against its parent before it is mentioned."""
+
+
+def is_take(path: str | os.PathLike[str]) -> bool:
+    """Whether a file is BVH, whatever its name; InputError where it cannot be read."""
+    try:
+        with Path(path).open("rb") as stream:
+            head = stream.read(_LOOKED_AT)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); check its name and rights") from error
+    return (
+        head.removeprefix(b"\xef\xbb\xbf")
+        .replace(b"\0", b"")
+        .lstrip(b"\xff\xfe \t\r\n")
+        .upper()
+        .startswith(b"HIERARCHY")
+    )
 
 
 def load_take(path: str | os.PathLike[str], fps: float | None = None) -> Take:

@@ -7,7 +7,7 @@ import struct
 import numpy as np
 
 from ..errors import InputError
-from .raw import RawRecording, Track, change_axes
+from .raw import RawRecording, Reading, Track
 from .recording import TRACKERS
 
 _MAGIC = struct.pack("<I", 0x442D3D69)
@@ -18,7 +18,7 @@ _FRAME = np.dtype([("time", "<f4"), ("fps", "<i4"), ("poses", "<f4", (3, 7))])
 
 
 def read_bsor(content: bytes, file: str) -> RawRecording:
-    """Samples of a Beat Saber replay; axes are Unity's: left-handed, Y up, Z forward, metres.
+    """Samples of a Beat Saber replay, in Unity's axes: left-handed, Y up, Z forward, metres.
 
     Raises:
         InputError: a newer version, or a file that ends early or is garbled.
@@ -39,15 +39,14 @@ def read_bsor(content: bytes, file: str) -> RawRecording:
         ) from None
     times = frames["time"].astype(np.float64)
     poses = frames["poses"].astype(np.float64)
-    positions, rotations = change_axes(poses[..., :3], poses[..., [6, 3, 4, 5]], "RUF")
     head, left, right = (
-        Track(times, positions[:, i], rotations[:, i], np.ones(len(times), dtype=np.bool_))
+        Track(times, poses[:, i, :3], poses[:, i, 3:], np.ones(len(times), dtype=np.bool_))
         for i in range(len(TRACKERS))
     )
     found = {"format": "Beat Saber replay"}
     if device:
         found["device"] = device
-    return RawRecording(tracks=(head, left, right), found=found)
+    return RawRecording(tracks=(head, left, right), found=found, reading=Reading(axes="RUF", rotation="xyzw"))
 
 
 def _skip_info(content: bytes) -> tuple[int, str]:

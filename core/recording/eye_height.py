@@ -12,6 +12,8 @@ from .recording import Mounts
 from .timeline import Samples
 
 _PLAUSIBLE_M = (1.0, 2.1)
+_STANDING_M = 1.35
+"""Lower than of any grown person but the smallest."""
 _USUAL_M = 1.65
 _FLOOR_TOLERANCE = 0.1
 
@@ -56,6 +58,10 @@ def calibrate(samples: Samples, given: float | None, stated: float | None, on_fl
     if on_floor and abs(standing - eye_height) > _FLOOR_TOLERANCE * eye_height:
         doubts.append(
             f"headset stands at {standing:.2f} m, not near {eye_height:.2f} m: check unit and floor"
+        )
+    if source == "standing height of the headset" and eye_height < _STANDING_M:
+        doubts.append(
+            f"the headset is never higher than {eye_height:.2f} m: seated? give the wearer's standing eye height"
         )
     if not _PLAUSIBLE_M[0] <= eye_height <= _PLAUSIBLE_M[1]:
         doubts.append(

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 from . import aframe, bsor, csv_format, layouts
 from .raw import RawRecording
+from .reading import columns, objects, unreadable
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,28 +26,38 @@ class Format:
     """Content and file name to samples; raises InputError with the place of the fault."""
     suffixes: tuple[str, ...]
     """Endings of its files' names, with the dot, for file dialogs and dropped files alone: content tells."""
+    table: bool = False
+    """Whether it is a table of text, which `reading.dress` may have to put in plain dress first."""
 
 
 FORMATS = (
-    Format("Footwork CSV", csv_format.recognise, csv_format.read_csv, (".csv",)),
+    Format("Footwork CSV", csv_format.recognise, csv_format.read_csv, (".csv",), table=True),
     Format("Beat Saber replay (BSOR)", bsor.recognise, bsor.read_bsor, (".bsor",)),
     Format("A-Frame motion-capture JSON", aframe.recognise, aframe.read_aframe, (".json",)),
 )
 """Formats with a reader of their own, those that are told apart most surely first."""
 
+UNKNOWN = (
+    Format("XROR (not read)", unreadable.is_xror, unreadable.refuse_xror, ()),
+    Format(columns.NAME, columns.recognise, columns.read, (".csv", ".tsv", ".txt", ".gz"), table=True),
+    Format(objects.NAME, objects.recognise, objects.read, (".json", ".jsonl")),
+)
+"""What no format or layout claims, read by what the names in it say."""
+
 
 def formats() -> tuple[Format, ...]:
-    """Every format that can be read: FORMATS, then the tables with a layout; the first to recognise a file reads it."""
+    """Every format, in the order in which they are asked: FORMATS, tables with a layout, any other file."""
     tables = (
         Format(
             layout.name,
             functools.partial(layouts.recognise, layout=layout),
             functools.partial(layouts.read_table, layout=layout),
             (".csv",),
+            table=True,
         )
         for layout in layouts.layouts().entries
     )
-    return (*FORMATS, *tables)
+    return (*FORMATS, *tables, *UNKNOWN)
 
 
 def suffixes() -> tuple[str, ...]:

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 
 from ..presets import Presets, check_keys, check_text, check_texts, load_presets, read_preset
-from .raw import RawRecording, Track, change_axes
+from .raw import RawRecording, Reading, Track
+from .reading.dress import header_line
 from .recording import TRACKERS
 from .table import columns_of, decode, read_columns
 
@@ -59,21 +60,26 @@ def read_table(content: bytes, file: str, layout: TableLayout) -> RawRecording:
     Raises:
         InputError: a short row or a cell that is no number, with its line.
     """
-    values, _ = read_columns(decode(content, file), 0, layout.columns, file)
+    lines = decode(content, file)
+    values, _ = read_columns(lines, header_line(lines), layout.columns, file)
     times = (values[:, 0] - values[0, 0]) * layout.seconds
     poses = values[:, 1:].reshape(len(values), len(TRACKERS), 7)
-    positions, rotations = change_axes(poses[..., :3] * layout.metres, poses[..., 3:], layout.axes)
     head, left, right = (
-        Track(times, positions[:, i], rotations[:, i], np.ones(len(times), dtype=np.bool_))
+        Track(times, poses[:, i, :3], poses[:, i, 3:], np.ones(len(times), dtype=np.bool_))
         for i in range(len(TRACKERS))
     )
-    return RawRecording(tracks=(head, left, right), found={"format": layout.name}, on_floor=layout.on_floor)
+    return RawRecording(
+        tracks=(head, left, right),
+        found={"format": layout.name},
+        on_floor=layout.on_floor,
+        reading=Reading(axes=layout.axes, metres=layout.metres),
+    )
 
 
 def recognise(content: bytes, layout: TableLayout) -> bool:
     """Whether a file begins with a header that has every column of a layout."""
-    first = content[:_HEADER_BYTES].removeprefix(b"\xef\xbb\xbf").split(b"\n", 1)[0]
-    return set(layout.columns) <= set(columns_of(first.decode("utf-8", "replace")))
+    lines = content[:_HEADER_BYTES].removeprefix(b"\xef\xbb\xbf").decode("utf-8", "replace").splitlines()
+    return bool(lines) and set(layout.columns) <= set(columns_of(lines[header_line(lines)]))
 
 
 def _parse(content: Any) -> TableLayout:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from .mounts import DEVICE_MOUNTS
 from .recording import Array, Mounts
 
-_DIRECTIONS = {
+DIRECTIONS = {
     "R": (1.0, 0.0, 0.0),
     "L": (-1.0, 0.0, 0.0),
     "F": (0.0, 1.0, 0.0),
@@ -22,16 +22,47 @@ _DIRECTIONS = {
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Track:
-    """One tracker's samples as recorded, in Blender's axes and metres."""
+    """One tracker's samples as recorded, in Blender's axes and metres unless a reading says otherwise."""
 
     times: Array
     """`(N,)` seconds from any origin common to all tracks; may repeat or run backwards."""
     positions: Array
     """`(N, 3)`; NaN where the file has none."""
     rotations: Array
-    """`(N, 4)` of any length; zero or NaN where the file has none."""
+    """`(N, 4)` of any length; zero or NaN where the file has none. `(N, k)` where a reading says so."""
     valid: NDArray[np.bool_]
     """`(N,)` what the file itself says of tracking."""
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """How a file's numbers are to be understood."""
+
+    axes: str = "RFU"
+    """Where the world's x, y and z point, as in `change_axes`."""
+    metres: float = 1.0
+    """Of the unit of length."""
+    rotation: str = "wxyz"
+    """How rotations are written, one of `rotations.KINDS`."""
+    devices: str = ""
+    """Where a device's own x, y and z point while it has no rotation; "" as the world's."""
+    hands: str = "world"
+    """Controllers' positions are in the "world", an "offset" from the headset, or "local" to the turned headset."""
+    swapped: bool = False
+    """Whether left is called right."""
+
+
+STATED = frozenset(("axes", "unit", "rotation", "sides", "origin"))
+"""What a format can say of itself."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Extra:
+    """Another tracker: on the waist, a foot, a knee."""
+
+    name: str
+    """As the file calls it."""
+    track: Track
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,6 +81,18 @@ class RawRecording:
     """Whether the file tells itself when a tracker was lost; otherwise that is guessed."""
     on_floor: bool = True
     """Whether heights are above the floor; otherwise they are relative to an unknown place."""
+    reading: Reading = Reading()
+    """How the tracks' numbers are to be understood, as far as the file or its format tells."""
+    stated: frozenset[str] = STATED
+    """Of `STATED`, what it tells; the rest of the reading is a guess."""
+    roles_stated: bool = True
+    """Whether the file tells which tracker is which."""
+    extra: tuple[Extra, ...] = ()
+    """Trackers besides the three, with the same reading."""
+    doubts: tuple[str, ...] = ()
+    """What the reader met with, a line each."""
+    counted: bool = False
+    """Whether `times` of the tracks are numbers of samples, whose rate somebody has to tell."""
 
 
 def change_axes(positions: Array, rotations: Array, axes: str) -> tuple[Array, Array]:
@@ -61,7 +104,7 @@ def change_axes(positions: Array, rotations: Array, axes: str) -> tuple[Array, A
         axes: where the file's x, y and z point, for world and devices alike: three of R(ight) L(eft) U(p)
             D(own) F(orward) B(ack). WebXR and OpenVR are "RUB", Unity (left-handed) is "RUF".
     """
-    change = np.array([_DIRECTIONS[letter] for letter in axes]).T
+    change = np.array([DIRECTIONS[letter] for letter in axes]).T
     # the axis of a rotation is a pseudovector: a change of handedness turns it round as well
     axis = np.linalg.det(change) * rotations[..., 1:] @ change.T
     return positions @ change.T, np.concatenate([rotations[..., :1], axis], axis=-1)

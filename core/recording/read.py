@@ -12,28 +12,30 @@ from ..bounds import EYE_HEIGHT, RECORDING_BYTES
 from ..errors import InputError
 from ..presets import user_folder
 from . import layouts
+from .cut import cut
 from .eye_height import calibrate, looking_ahead, put_down
-from .formats import formats
+from .formats import UNKNOWN, formats
 from .happenings import in_words
 from .mounts import DEVICE_MOUNTS
 from .raw import RawRecording
+from .reading.answers import NO_ANSWERS, Answers
+from .reading.dress import plain_table, unpacked
+from .reading.settle import settle
 from .recording import TRACKERS, Happening, Recording
 from .repair import Repaired, repair
 
 
-def read_recording(path: str | os.PathLike[str], eye_height: float | None = None) -> Recording:
+def read_recording(path: str | os.PathLike[str], answers: Answers = NO_ANSWERS) -> Recording:
     """A recording from a file, repaired and with its eye height known.
 
     Args:
         path: a file in one of `formats.formats()`.
-        eye_height: height of the headset in metres when its wearer stands at ease; by default what the file
-            states, or the recording's own standing height.
+        answers: what a person says of the file; what is not said the file states, or the recording itself tells.
 
     Raises:
         InputError: a file that cannot be read, an unknown format, or a fault in it, with its place.
     """
-    if eye_height is not None and not EYE_HEIGHT[0] <= eye_height <= EYE_HEIGHT[1]:
-        raise InputError(f"eye height {eye_height:g} m is no person's; give metres, such as 1.65")
+    answers.check()
     try:
         with Path(path).open("rb") as stream:
             # asked for so many bytes, Python would take memory for as many
@@ -46,31 +48,60 @@ def read_recording(path: str | os.PathLike[str], eye_height: float | None = None
         raise InputError(f"{path}: larger than {RECORDING_BYTES // 1_000_000} MB; cut the recording")
     if not content.strip():
         raise InputError(f"{path}: the file is empty; record again")
+    digest = hashlib.sha256(content).hexdigest()
+    content = unpacked(content, str(path))
+    plain = plain_table(content)
     known = formats()
-    form = next((form for form in known if form.recognise(content)), None)
+    form = next((form for form in known if form.recognise(plain if form.table else content)), None)
     if form is None:
-        names = ", ".join(form.name for form in known)
+        names = ", ".join(form.name for form in known if form not in UNKNOWN)
         raise InputError(
             f"{path}: no known recording format; known are {names}; "
             f"for another table: {user_folder(layouts.KIND)}{layouts.layouts().note}"
         )
-    raw = form.read(content, str(path))
-    return to_recording(raw, str(path), hashlib.sha256(content).hexdigest(), eye_height)
+    raw = form.read(plain if form.table else content, str(path))
+    return to_recording(raw, str(path), digest, answers)
 
 
-def to_recording(raw: RawRecording, file: str, sha256: str, eye_height: float | None = None) -> Recording:
+def to_recording(
+    raw: RawRecording,
+    file: str,
+    sha256: str,
+    answers: Answers = NO_ANSWERS,
+) -> Recording:
     """A recording of samples from anywhere, repaired and with its eye height known.
 
     Args:
         raw: the samples.
         file: what to call their source.
         sha256: fingerprint of the source.
-        eye_height: as for `read_recording`.
+        answers: as for `read_recording`.
+
+    Raises:
+        InputError: no reading of them shows a person, too few of the headset's samples are usable, or a pause
+            is too long.
+    """
+    recording = repaired_recording(settle(raw, file, answers), file, sha256, answers.eye_height)
+    if answers.strict and recording.doubts:
+        raise InputError(f"{file}: {recording.doubts[0]}; this counts as a fault with --strict")
+    return _worn(recording) if answers.auto_trim else recording
+
+
+def repaired_recording(
+    raw: RawRecording, file: str, sha256: str, eye_height: float | None = None
+) -> Recording:
+    """A recording of samples in Blender's axes and metres; `eye_height` in metres, None for what they tell.
 
     Raises:
         InputError: too few of the headset's samples are usable, or a pause is too long.
     """
     return _finish(raw, repair(raw, file), eye_height, file, sha256)
+
+
+def _worn(recording: Recording) -> Recording:
+    """The recording up to where the headset is laid down for good."""
+    ends = [float(item.starts[0]) for item in recording.happenings if item.kind == "laid down"]
+    return cut(recording, 0.0, ends[0]) if ends and ends[0] > 0.0 else recording
 
 
 def _finish(raw: RawRecording, repaired: Repaired, given: float | None, file: str, sha256: str) -> Recording:
@@ -111,6 +142,6 @@ def _finish(raw: RawRecording, repaired: Repaired, given: float | None, file: st
         file=file,
         sha256=sha256,
         found=found,
-        doubts=(*in_words(happenings, float(length)), *calibration.doubts),
+        doubts=(*raw.doubts, *in_words(happenings, float(length)), *calibration.doubts),
         happenings=happenings,
     )

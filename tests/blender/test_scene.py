@@ -9,6 +9,7 @@ from footwork.bridge import objects
 from footwork.core.errors import InputError
 from footwork.core.maths import quat
 from footwork.core.mocap.demo import demo_motion
+from footwork.core.recording.reading.answers import Answers
 from footwork.core.recording.resample import resample
 from footwork.core.recording.simulate import simulate_recording
 from mathutils import Matrix
@@ -50,7 +51,9 @@ def test_parents_constraints_and_camera_axes_count(empty, simulated) -> None:
         camera.parent = tracker
         camera.matrix_parent_inverse = Matrix(((1, 0, 0, 0), (0, 0, -1, 0), (0, 1, 0, 0), (0, 0, 0, 1)))
         cameras.append(camera)
-    moved = objects.recording_from_objects(empty, cameras, axes="CAMERA", eye_height=plain.eye_height)
+    moved = objects.recording_from_objects(
+        empty, cameras, axes="CAMERA", answers=Answers(eye_height=plain.eye_height)
+    )
     turn = quat.from_yaw(0.5)
     expected = quat.rotate(turn, plain.positions) + np.array([1.0, 2.0, 0.0])
     assert np.abs(moved.positions - expected).max() < 1e-4

@@ -14,6 +14,7 @@ from footwork.core.mocap.demo import demo_motion
 from footwork.core.mocap.export import to_bvh
 from footwork.core.mocap.takes import load_take
 from footwork.core.recording.read import read_recording
+from footwork.core.recording.reading.answers import Answers
 from footwork.core.recording.resample import resample
 from footwork.core.recording.simulate import simulate_recording
 from footwork.core.recording.targets import joint_targets
@@ -59,15 +60,19 @@ def same_turns(a: np.ndarray, b: np.ndarray) -> bool:
     return bool(np.abs(np.sum(a * b, axis=-1)).min() > 1.0 - 1e-6)
 
 
+TOLD = Answers(eye_height=1.7, force=True)
+"""The trackers here are of no person."""
+
+
 def test_objects_are_sampled_in_metres(empty, unit: float, truth) -> None:
     places, turns = truth
     trackers = [keyed(empty, str(i), places[:, i] / unit, turns[:, i]) for i in range(3)]
     empty.frame_end = len(places)
-    found = objects.recording_from_objects(empty, trackers, eye_height=1.7)
+    found = objects.recording_from_objects(empty, trackers, answers=TOLD)
     np.testing.assert_allclose(found.positions, places, atol=1e-4)
     assert same_turns(found.rotations, turns) and found.eye_height == 1.7
     # a controller that is not there does not move the other one to its place
-    without = objects.recording_from_objects(empty, (trackers[0], None, trackers[2]), eye_height=1.7)
+    without = objects.recording_from_objects(empty, (trackers[0], None, trackers[2]), answers=TOLD)
     np.testing.assert_allclose(without.positions[:, [0, 2]], places[:, [0, 2]], atol=1e-4)
 
 

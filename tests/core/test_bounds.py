@@ -18,6 +18,7 @@ from footwork.core.mocap.export import to_bvh
 from footwork.core.mocap.takes import load_take
 from footwork.core.recording.csv_format import write_csv
 from footwork.core.recording.read import read_recording
+from footwork.core.recording.reading.answers import Answers
 from footwork.core.recording.simulate import simulate_recording
 
 GROWTH = 60 << 20
@@ -117,14 +118,14 @@ def recording(
 def test_eye_heights_that_are_measured(tmp_path: Path, shift: float) -> None:
     path = recording(tmp_path / "a.csv", shift)
     path.write_text("".join(line for line in path.open() if not line.startswith("# eye_height")))
-    assert "no person's" in refused(lambda: read_recording(path))
-    assert read_recording(path, eye_height=1.6).eye_height == 1.6
+    assert "person" in refused(lambda: read_recording(path))
+    assert read_recording(path, Answers(eye_height=1.6)).eye_height == 1.6
 
 
 @pytest.mark.parametrize("height", [0.05, 0.0, -1.0, 10.0])
 def test_eye_heights_that_are_given_or_stated(tmp_path: Path, height: float) -> None:
     path = recording(tmp_path / "a.csv")
-    assert "no person's" in refused(lambda: read_recording(path, height))
+    assert "no person's" in refused(lambda: read_recording(path, Answers(eye_height=height)))
     lines = [f"# eye_height: {height}\n" if "eye_height" in line else line for line in path.open()]
     path.write_text("".join(lines))
     assert "no person's" in refused(lambda: read_recording(path))

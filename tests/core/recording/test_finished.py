@@ -17,7 +17,8 @@ from footwork.core.recording.body_estimate import BodyEstimate, estimate_doubts
 from footwork.core.recording.csv_format import write_csv
 from footwork.core.recording.cut import cut
 from footwork.core.recording.mounts import DEVICE_MOUNTS, SIMULATED_MOUNTS, grip_mounts
-from footwork.core.recording.read import read_recording, to_recording
+from footwork.core.recording.read import read_recording, repaired_recording
+from footwork.core.recording.reading.answers import Answers
 from footwork.core.recording.recording import Happening, Recording
 from footwork.core.recording.resample import resample
 from footwork.core.recording.simulate import lose_trackers, simulate_recording
@@ -31,7 +32,7 @@ FPS = 64.0
 @pytest.fixture
 def finished(as_raw) -> Callable[..., Recording]:
     def make(samples: Samples, given: float | None = None, **more) -> Recording:
-        return to_recording(as_raw(samples, **more), "folder/take.one.csv", "abc", given)
+        return repaired_recording(as_raw(samples, **more), "folder/take.one.csv", "abc", given)
 
     return make
 
@@ -108,7 +109,7 @@ def test_a_headset_laid_down_is_told_with_its_height_above_the_floor(finished, w
 def test_a_file_is_known_by_its_path_and_content(tmp_path: Path, recording: Recording, height: float) -> None:
     path = tmp_path / "walk.csv"
     write_csv(path, replace(recording, name=" A \n walk  of\tmine "))
-    found = read_recording(path, height)
+    found = read_recording(path, Answers(eye_height=height))
     assert found.file == str(path) and found.sha256 == hashlib.sha256(path.read_bytes()).hexdigest()
     assert found.name == "A walk of mine" and found.eye_height == height
     assert found.found["eye height"] == f"{height:.2f} m, given"
@@ -120,7 +121,7 @@ def test_eye_heights_of_nobody_are_refused(tmp_path: Path, height: float) -> Non
     with pytest.raises(
         InputError, match=f"^eye height {height:g} m is no person's; give metres, such as 1.65$"
     ):
-        read_recording(tmp_path / "none.csv", height)
+        read_recording(tmp_path / "none.csv", Answers(eye_height=height))
 
 
 def test_what_cannot_be_read_is_named(tmp_path: Path) -> None:

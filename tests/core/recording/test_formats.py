@@ -14,6 +14,7 @@ from footwork.core.presets import SHIPPED, VARIABLE
 from footwork.core.recording import formats, layouts
 from footwork.core.recording.raw import RawRecording, Track
 from footwork.core.recording.read import read_recording
+from footwork.core.recording.reading.answers import Answers
 from footwork.core.recording.recording import TRACKERS
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -27,12 +28,16 @@ LAYOUT: dict[str, Any] = {
     "on_floor": True,
     **{
         tracker: {
-            "position": [f"{tracker} {axis}" for axis in "xyz"],
-            "rotation": [f"{tracker} q{axis}" for axis in "wxyz"],
+            "position": [f"{tracker}-column-{axis}-of-ours" for axis in "xyz"],
+            "rotation": [f"{tracker}-column-{axis}-turned" for axis in "wxyz"],
         }
         for tracker in TRACKERS
     },
 }
+
+
+AS_STATED = Answers(eye_height=1.6, force=True)
+"""The tables here are of no person."""
 
 
 @pytest.fixture
@@ -94,7 +99,7 @@ def test_a_format_is_added_by_one_entry(tmp_path: Path, monkeypatch: pytest.Monk
 
 def test_file_names_do_not_decide(tmp_path: Path) -> None:
     shipped = json.loads((SHIPPED / layouts.KIND / "who_is_alyx.json").read_text("utf-8"))
-    recording = read_recording(table(tmp_path / "table.bsor", shipped))
+    recording = read_recording(table(tmp_path / "table.bsor", shipped), AS_STATED)
     assert recording.found["format"] == shipped["name"]
 
 
@@ -115,7 +120,7 @@ def test_a_layout_in_the_users_folder_is_read_at_once(tmp_path: Path, own: Path)
         read_recording(path)
     assert str(own) in str(error.value)
     (own / "studio.json").write_text(json.dumps(LAYOUT))
-    recording = read_recording(path)
+    recording = read_recording(path, AS_STATED)
     assert recording.found["format"] == "Studio table"
     np.testing.assert_allclose(recording.times, 0.02 * np.arange(20), atol=1e-12)
     np.testing.assert_allclose(recording.positions[6, 1], [-0.2, -0.6, 1.5], atol=1e-12)
@@ -126,19 +131,19 @@ def test_a_layout_in_the_users_folder_is_read_at_once(tmp_path: Path, own: Path)
     )
     (own / "studio.json").unlink()
     with pytest.raises(InputError):
-        read_recording(path)
+        read_recording(path, AS_STATED)
 
 
 def test_a_layout_of_the_user_takes_the_place_of_one_that_ships(tmp_path: Path, own: Path) -> None:
     shipped = json.loads((SHIPPED / layouts.KIND / "who_is_alyx.json").read_text("utf-8"))
     path = table(tmp_path / "alyx.csv", shipped)
-    assert read_recording(path, 1.6).positions[0, 0, 1] == pytest.approx(-15.0)
+    assert read_recording(path, AS_STATED).positions[0, 0, 1] == pytest.approx(-15.0)
     (own / "mine.json").write_text(json.dumps({**shipped, "unit": "mm"}))
-    assert read_recording(path, 1.6).positions[0, 0, 1] == pytest.approx(-1.5)
+    assert read_recording(path, AS_STATED).positions[0, 0, 1] == pytest.approx(-1.5)
     assert [form.name for form in formats.formats()].count(shipped["name"]) == 1
     # another name comes before those that ship as well
     (own / "mine.json").write_text(json.dumps({**shipped, "name": "Metres", "unit": "m"}))
-    assert read_recording(path, 1.6).found["format"] == "Metres"
+    assert read_recording(path, AS_STATED).found["format"] == "Metres"
 
 
 def test_broken_layouts_leave_the_others_and_are_named_where_none_fits(tmp_path: Path, own: Path) -> None:
@@ -146,7 +151,7 @@ def test_broken_layouts_leave_the_others_and_are_named_where_none_fits(tmp_path:
     (own / "b.json").write_text(json.dumps({**LAYOUT, "axes": "RUU"}))
     (own / "c.json").write_text(json.dumps(LAYOUT))
     path = table(tmp_path / "studio.csv", LAYOUT)
-    recording = read_recording(path)
+    recording = read_recording(path, AS_STATED)
     assert not [line for line in (*recording.doubts, *recording.found.values()) if ".json" in line]
     (own / "c.json").unlink()
     with pytest.raises(InputError) as error:
@@ -173,7 +178,7 @@ def test_broken_layouts_leave_the_others_and_are_named_where_none_fits(tmp_path:
         ({"left": {"position": ["a", "b", "c"], "rotation": "wxyz"}}, "'left': 'rotation'"),
         ({"right": {"position": ["a", "b", "c"]}}, "'right' has no 'rotation'"),
         ({"head": None}, "'head' is not an object"),
-        ({"left": LAYOUT["head"]}, "'head x' is used twice"),
+        ({"left": LAYOUT["head"]}, "'head-column-x-of-ours' is used twice"),
         ({"rate": 90}, "'rate'"),
     ],
 )

@@ -14,6 +14,7 @@ from footwork.core.mocap.demo import demo_motion
 from footwork.core.recording.csv_format import COLUMNS, write_csv
 from footwork.core.recording.mounts import DEVICE_MOUNTS, grip_mounts
 from footwork.core.recording.read import read_recording
+from footwork.core.recording.reading.answers import Answers
 from footwork.core.recording.recording import Recording
 from footwork.core.recording.simulate import simulate_recording
 
@@ -72,7 +73,7 @@ def test_a_hand_made_file_needs_one_comment_only(tmp_path: Path) -> None:
     for i in range(30):
         rows.append(",".join([str(i / 30), *["0.1,0.2,1.6,1,0,0,0,1"] * 3]))
     (tmp_path / "hand.csv").write_text("\n".join(["# footwork-recording 1", header, *rows]))
-    recording = read_recording(tmp_path / "hand.csv", eye_height=1.7)
+    recording = read_recording(tmp_path / "hand.csv", Answers(eye_height=1.7))
     assert recording.name == "hand"
     assert recording.eye_height == 1.7
     assert recording.mounts is DEVICE_MOUNTS

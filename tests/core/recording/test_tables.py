@@ -18,6 +18,7 @@ from footwork.core.recording.csv_format import COLUMNS, read_csv
 from footwork.core.recording.csv_format import recognise as is_csv
 from footwork.core.recording.mounts import DEVICE_MOUNTS
 from footwork.core.recording.raw import change_axes
+from footwork.core.recording.reading.apply import applied
 from footwork.core.recording.recording import TRACKERS
 from footwork.core.recording.table import columns_of, decode, read_columns
 from scipy.spatial.transform import Rotation
@@ -142,6 +143,7 @@ def test_a_table_is_read_as_its_layout_says(tmp_path: Path, axes: str) -> None:
     values[:, 0] = [1000.0, 1016.0, 1033.0, 1050.0]
     rows = [",".join(map(repr, row)) for row in values.tolist()]
     raw = layouts.read_table("\n".join([",".join(found.columns), *rows]).encode(), "f", found)
+    raw = applied(raw, raw.reading)
     assert raw.found == {"format": "Studio"} and not raw.on_floor and not raw.states_validity
     assert raw.name == "" and raw.eye_height is None and raw.mounts is DEVICE_MOUNTS
     poses = values[:, 1:].reshape(4, 3, 7)
@@ -159,15 +161,15 @@ def test_a_table_is_recognised_by_its_header_alone(tmp_path: Path) -> None:
     for content in (
         header,
         header + b"\r\n\xff\xff",
+        b"\n" + header,
+        b"# note\n" + header,
         b"\xef\xbb\xbf" + header + b"\n1,2",
         header.replace(b",", b' ,"'),
     ):
         assert layouts.recognise(content, found)
     for content in (
         b"",
-        b"\n" + header,
         header.replace(b"left qy", b"left q"),
-        b"# note\n" + header,
         b"\xff\xfe" * 9,
     ):
         assert not layouts.recognise(content, found)
@@ -213,6 +215,7 @@ def replay(count: int = 2, frames: int = 2, device: bytes = b"Some HMD", section
 
 def test_a_replay_is_read_to_the_bit() -> None:
     raw = bsor.read_bsor(replay() + b"\x02 more", "f")
+    raw = applied(raw, raw.reading)
     assert raw.found == {"format": "Beat Saber replay", "device": "Some HMD"}
     assert raw.on_floor and not raw.states_validity and raw.eye_height is None
     for i, track in enumerate(raw.tracks):
@@ -284,6 +287,7 @@ def test_browser_recordings_are_read_as_they_are(wrapped: bool) -> None:
     }
     content: Any = {"recording": tracks, "left": poses((0,) * 7)} if wrapped else tracks
     raw = read_aframe(json.dumps(content).encode(), "f")
+    raw = applied(raw, raw.reading)
     assert raw.found == {"format": "A-Frame motion capture"} and raw.on_floor and not raw.states_validity
     head, left, right = raw.tracks
     np.testing.assert_allclose(head.times, [1.5, 1.75])

@@ -1,0 +1,328 @@
+"""What the name of a column or of a value says: whose position or rotation it is, and which component.
+
+Names are taken apart into words, so that `hmd_pos_x`, `CenterEye_PosX`, `head.position.x`, `h.p.x` and
+`/user/hand/left.orientation.w` are understood alike.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+_HEAD = {
+    "head",
+    "hmd",
+    "headset",
+    "camera",
+    "cam",
+    "viewer",
+    "view",
+    "centereye",
+    "eye",
+    "cameraeye",
+    "vrcamera",
+    "h",
+}
+_SIDES = {
+    "left": {"l", "lhand", "lcontroller", "ltouch", "lcon", "handl", "controllerl"},
+    "right": {"r", "rhand", "rcontroller", "rtouch", "rcon", "handr", "controllerr"},
+}
+_HANDS = {"hand", "controller", "touch", "wand", "con", "grip", "ctrl"}
+_OTHERS = {
+    "waist", "pelvis", "hips", "hip", "chest", "foot", "feet", "ankle", "knee", "elbow", "shoulder", "toe", "spine",
+    "back", "torso", "tracker",
+}  # fmt: skip
+_NOT_A_POSE = {
+    "vel", "velocity", "speed", "angular", "linear", "acc", "accel", "acceleration", "stick", "thumbstick", "joystick",
+    "trackpad", "touchpad", "gaze", "button", "buttons", "trigger", "axis", "axes", "pressed", "touched", "confidence",
+    "battery", "finger", "thumb", "index", "middle", "ring", "pinky", "little", "joint", "bone", "scale", "gravity",
+    "gamepad", "fixation", "pupil", "hit", "origin", "direction", "forward",
+}  # fmt: skip
+_PLACE = {
+    "pos",
+    "position",
+    "positions",
+    "loc",
+    "location",
+    "translation",
+    "trans",
+    "p",
+    "t",
+    "place",
+    "coordinates",
+}
+_TURN = {
+    "rot", "rotation", "rotations", "quat", "quaternion", "orientation", "ori", "orient", "q", "r", "euler", "angle",
+    "angles", "rotator", "attitude", "eulerangles",
+}  # fmt: skip
+_SIXD = {"sixd", "6d", "rot6d"}
+_MATRIX = {"matrix", "mat", "transform", "m"}
+_GLUED = re.compile(
+    r"(pos|position|loc|location|rot|rotation|quat|quaternion|orientation|ori|euler|q|p|t|r)?([xyzw])"
+)
+_CELL = re.compile(r"(?:m|r|mat|matrix)?([0-3])([0-3])")
+ANGLES = ("pitch", "yaw", "roll")
+METRES = {
+    "m": 1.0,
+    "meters": 1.0,
+    "metres": 1.0,
+    "cm": 0.01,
+    "centimeters": 0.01,
+    "mm": 0.001,
+    "ft": 0.3048,
+    "feet": 0.3048,
+}
+_DEGREES = {
+    "deg": "degrees",
+    "degree": "degrees",
+    "degrees": "degrees",
+    "rad": "radians",
+    "radians": "radians",
+}
+SECONDS = {
+    "s": 1.0, "sec": 1.0, "secs": 1.0, "seconds": 1.0, "ms": 1e-3, "msec": 1e-3, "milliseconds": 1e-3, "us": 1e-6,
+    "microseconds": 1e-6, "ns": 1e-9, "nanoseconds": 1e-9, "ticks": 1e-7,
+}  # fmt: skip
+_TIME = {
+    "time",
+    "timestamp",
+    "timestamps",
+    "clock",
+    "elapsed",
+    "utc",
+    "datetime",
+    "date",
+    "displaytime",
+    "a",
+    "t",
+    "times",
+}
+_NUMBER = {
+    "frame",
+    "frames",
+    "framenumber",
+    "frameid",
+    "framecount",
+    "sample",
+    "idx",
+    "index",
+    "n",
+    "row",
+    "frameindex",
+}
+_DEVICE = {
+    "source",
+    "device",
+    "devicename",
+    "devicetype",
+    "tracker",
+    "object",
+    "name",
+    "role",
+    "type",
+    "node",
+    "part",
+    "id",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Meaning:
+    """What one name says."""
+
+    tracker: str = ""
+    """"head", "left", "right", the words of another tracker, or "" for none."""
+    kind: str = ""
+    """"place", "turn", "sixd", "matrix" or "" where only the component is said."""
+    part: str = ""
+    """x y z w, pitch yaw roll, a digit, two digits of a matrix' row and column, or a to f of six numbers."""
+    metres: float = 0.0
+    """Of a unit of length that the name has, 0 for none."""
+    angles: str = ""
+    """"degrees", "radians" or ""."""
+
+
+@dataclass(slots=True)
+class Columns:
+    """Which columns hold a tracker's pose."""
+
+    place: list[int] = field(default_factory=list[int])
+    turn: list[int] = field(default_factory=list[int])
+    kind: str = ""
+    """Of the rotation, as in `rotations.KINDS`, or "frame" where `turn` are three rows of four."""
+    ordered: bool = True
+    """Whether names tell the quaternion's w from the others."""
+
+
+@dataclass(slots=True)
+class Understood:
+    """What all names of a table together say."""
+
+    trackers: dict[str, Columns]
+    time: int = -1
+    seconds: float = 0.0
+    """Of the time's unit; 0 where its numbers have to tell."""
+    number: int = -1
+    """Column that counts frames."""
+    device: int = -1
+    """Column that says whose pose a row is."""
+    metres: float = 0.0
+    angles: str = ""
+
+
+def words_of(name: str) -> list[str]:
+    """The words of a name, lower case: at capitals, separators and brackets."""
+    spaced = re.sub(r"([a-z0-9])([A-Z])", r"\1 \2", name)
+    spaced = re.sub(r"([A-Z]{2,})([A-Z][a-z])", r"\1 \2", spaced)
+    return [word for word in re.split(r"[^0-9a-zA-Z]+", spaced.lower()) if word]
+
+
+def whose(words: Sequence[str]) -> tuple[str, int]:
+    """The tracker that words name, and how many words at most belong to its name; "" for none."""
+    side, last = "", 0
+    for number, word in enumerate(words):
+        # a single letter is a side before all others or after a hand; "h.r.x" is of a head's rotation
+        lone = len(word) == 1 and number > 0 and words[number - 1] not in _HANDS
+        for name, known in _SIDES.items():
+            if not side and not lone and (word.startswith(name) or word in known):
+                side, last = name, number + 1
+    others = [number for number, word in enumerate(words) if word in _OTHERS]
+    if others:
+        return " ".join(word for word in words[: others[-1] + 1]), others[-1] + 1
+    if side and "eye" in words:
+        return "", 0
+    if side:
+        return side, last
+    heads = [number for number, word in enumerate(words) if word in _HEAD]
+    return ("head", heads[0] + 1) if heads else ("", 0)
+
+
+def meaning(name: str) -> Meaning:
+    """What a column's name says of a pose; no tracker and no part where it says nothing."""
+    words = words_of(name)
+    metres = next((METRES[word] for word in words[1:] if word in METRES and word != "m"), 0.0)
+    if re.search(r"[\[(]\s*m\s*[\])]", name):
+        metres = 1.0
+    degrees = next((_DEGREES[word] for word in words if word in _DEGREES), "")
+    while len(words) > 1 and (words[-1] in METRES or words[-1] in _DEGREES):
+        words = words[:-1]
+    if not words or _NOT_A_POSE & set(words):
+        return Meaning()
+    tracker, used = whose(words[:-1])
+    kind, part = _component(words[used:] if tracker else words)
+    return Meaning(tracker, kind, part, metres, degrees) if part else Meaning()
+
+
+def _component(words: Sequence[str]) -> tuple[str, str]:
+    """Kind and component of the words after a tracker's name."""
+    if not words:
+        return "", ""
+    body, last = words[:-1], words[-1]
+    kind = ""
+    for word in body:
+        if word in _SIXD:
+            kind = "sixd"
+        elif word in _MATRIX and kind == "":
+            kind = "matrix"
+        elif word in _TURN:
+            kind = "turn"
+        elif word in _PLACE:
+            kind = "place"
+    if kind == "sixd" and last in "abcdef":
+        return kind, last
+    if last in ANGLES:
+        return "turn", last
+    glued, cell = _GLUED.fullmatch(last), _CELL.fullmatch(last)
+    if glued:
+        if glued[1]:
+            kind = "turn" if glued[1] in _TURN else "place"
+        return ("turn" if glued[2] == "w" else kind or "place"), glued[2]
+    digits = [word for word in words if word.isdecimal()]
+    if cell and not digits:
+        return "matrix", cell[1] + cell[2]
+    if last.isdecimal() and len(last) <= 2:
+        return kind, "".join(digits[-2:]) if len(digits) > 1 else last
+    return "", ""
+
+
+def understand(names: Sequence[str]) -> Understood:
+    """What the names of a table's columns say."""
+    out = Understood({})
+    parts: dict[str, dict[str, dict[str, int]]] = {}
+    for column, name in enumerate(names):
+        said = meaning(name)
+        if said.part:
+            parts.setdefault(said.tracker, {}).setdefault(said.kind, {}).setdefault(said.part, column)
+            out.metres = out.metres or said.metres
+            out.angles = out.angles or said.angles
+        else:
+            _other(out, column, name)
+    for tracker, kinds in parts.items():
+        found = _columns(kinds)
+        if found is not None:
+            out.trackers[tracker] = found
+    return out
+
+
+def _other(out: Understood, column: int, name: str) -> None:
+    """Take a column that is of no pose for time, frame number or device."""
+    words = words_of(name)
+    if not words:
+        return
+    # a column of the time in a better unit, or of the headset's display, is as good
+    if out.time < 0 and (
+        words[0] in _TIME or _TIME & set(words) - {"a", "t"} or words[-1] in ("timestamp", "time")
+    ):
+        out.time = column
+        out.seconds = next((SECONDS[word] for word in reversed(words) if word in SECONDS), 0.0)
+    elif out.number < 0 and words[0] in _NUMBER:
+        out.number = column
+    elif out.device < 0 and words[-1] in _DEVICE:
+        out.device = column
+
+
+def _columns(kinds: dict[str, dict[str, int]]) -> Columns | None:
+    """A tracker's pose of its named components; None without position or rotation."""
+    bare = kinds.get("", {}) or kinds.get("matrix", {})
+    whole = _whole(bare)
+    if whole is not None:
+        return whole
+    place, turn = kinds.get("place", {}), kinds.get("turn", {})
+    places = _picked(place, "xyz") or _picked(place, "012")
+    if not places:
+        return None
+    for order, kind, ordered in (
+        ("wxyz", "quaternion", True), ("0123", "quaternion", False), (ANGLES, "rotator", True), ("xyz", "euler", True),
+        ("012", "euler", True),
+    ):  # fmt: skip
+        found = _picked(turn, order)
+        if found:
+            return Columns(places, found, kind, ordered)
+    for source, order, kind in (
+        (kinds.get("sixd", {}), "abcdef", "sixd"), (kinds.get("sixd", {}), "012345", "sixd"), (turn, "012345", "sixd"),
+        ({**turn, **kinds.get("matrix", {})}, [f"{r}{c}" for r in range(3) for c in range(3)], "matrix"),
+        ({**turn, **kinds.get("matrix", {})}, [str(n) for n in range(9)], "matrix"),
+    ):  # fmt: skip
+        found = _picked(source, order)
+        if found:
+            return Columns(places, found, kind)
+    return None
+
+
+def _whole(parts: dict[str, int]) -> Columns | None:
+    """Columns of a pose in one list or matrix: 7 numbers, or 3 or 4 rows of 4."""
+    rows = _picked(parts, [f"{r}{c}" for r in range(3) for c in range(4)])
+    if not rows and len(parts) in (12, 16):
+        rows = _picked(parts, [str(n) for n in range(12)])
+    if rows:
+        return Columns(
+            [rows[3], rows[7], rows[11]], [rows[4 * r + c] for r in range(3) for c in range(3)], "matrix"
+        )
+    seven = _picked(parts, "0123456")
+    return Columns(seven[:3], seven[3:], "quaternion", False) if seven and len(parts) == 7 else None
+
+
+def _picked(parts: dict[str, int], order: Sequence[str]) -> list[int]:
+    """The columns of all components in this order; empty where one is missing."""
+    return [parts[part] for part in order] if all(part in parts for part in order) else []

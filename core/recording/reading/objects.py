@@ -1,0 +1,143 @@
+"""JSON of other recorders - one object, or one a line - with the trackers' poses in a list of frames."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, cast
+
+import numpy as np
+
+from ...bounds import RECORDING_BYTES
+from ...errors import FaultError, InputError
+from ...json_text import parse_json
+from ..raw import RawRecording, Reading, Track
+from .columns import Sheet, is_posed, to_raw
+from .meaning import understand
+
+_MOST_NAMES = 600
+_DEEP = 6
+_LOOKED_AT = 65536
+NAME = "JSON, by the names in it"
+_WEBXR = Reading(axes="RUB", rotation="xyzw")
+
+
+def recognise(content: bytes) -> bool:
+    """Whether a file is JSON, which may hold frames."""
+    head = content[:_LOOKED_AT].removeprefix(b"\xef\xbb\xbf").lstrip()
+    return head[:1] in (b"{", b"[")
+
+
+def read(content: bytes, file: str) -> RawRecording:
+    """Samples of such a file, in its own axes and unit.
+
+    Raises:
+        InputError: broken JSON, or no frames with the headset's position and rotation in it.
+    """
+    data = _parsed(content, file)
+    if isinstance(data, dict) and {"schema", "frames"} <= cast(dict[str, Any], data).keys():
+        return _read_webxr(cast(dict[str, Any], data), file)
+    frames = _frames(data)
+    if frames:
+        rows = [dict(_flat(frame)) for frame in frames]
+        names = tuple(dict.fromkeys(name for row in (*rows[:50], rows[-1]) for name in row))[:_MOST_NAMES]
+        found = understand(names)
+        if is_posed(found):
+            sheet = _sheet(names, rows, (found.time, found.number, found.device))
+            return to_raw(sheet, found, file, NAME)
+    raise InputError(
+        f"{file}: JSON without frames that tell a headset's position and rotation; name them head, left and right"
+    )
+
+
+def _parsed(content: bytes, file: str) -> Any:
+    """The JSON value; a list of values where there is one a line."""
+    try:
+        return parse_json(content, RECORDING_BYTES, small=False)
+    except FaultError as fault:
+        lines = content.removeprefix(b"\xef\xbb\xbf").splitlines()
+        rows = [line for line in lines if line.strip()]
+        if len(rows) < 2 or not all(row.strip()[:1] in (b"{", b"[") for row in rows[:2]):
+            raise InputError(f"{file}: {fault}; was the file cut short? record it again") from None
+    out: list[Any] = []
+    for number, line in enumerate(lines, 1):
+        if line.strip():
+            try:
+                out.append(parse_json(line, RECORDING_BYTES, small=False))
+            except FaultError:
+                raise InputError(f"{file}: line {number}: broken JSON; correct or remove the line") from None
+    return out
+
+
+def _frames(data: Any, depth: int = 0) -> list[Any]:
+    """The longest list of objects or lists in a value."""
+    if depth > _DEEP:
+        return []
+    if isinstance(data, list):
+        items = cast(list[Any], data)
+        if len(items) > 1 and all(isinstance(item, dict) for item in items[:3]):
+            return items
+        children: Sequence[Any] = items[:20]
+    elif isinstance(data, dict):
+        children = list(cast(dict[str, Any], data).values())[:100]
+    else:
+        return []
+    return max((_frames(child, depth + 1) for child in children), key=len, default=list[Any]())
+
+
+def _flat(value: Any, name: str = "", depth: int = 0) -> Iterator[tuple[str, Any]]:
+    """Every number and text of a frame under the names that lead to it."""
+    if depth > _DEEP:
+        return
+    if isinstance(value, dict):
+        for key, child in cast(dict[str, Any], value).items():
+            yield from _flat(child, f"{name}.{key}" if name else str(key), depth + 1)
+    elif isinstance(value, list):
+        for number, child in enumerate(cast(list[Any], value)[:26]):
+            yield from _flat(child, f"{name}.{number}", depth + 1)
+    elif not isinstance(value, bool):
+        yield name, value
+
+
+def _sheet(names: Sequence[str], rows: Sequence[Mapping[str, Any]], texts: Sequence[int]) -> Sheet:
+    values = np.full((len(rows), len(names)), np.nan)
+    written: list[tuple[str, ...]] = [()] * len(names)
+    for column, name in enumerate(names):
+        cells = [row.get(name) for row in rows]
+        if column in texts:
+            written[column] = tuple("" if cell is None else str(cell) for cell in cells)
+            continue
+        values[:, column] = [float(cell) if isinstance(cell, int | float) else np.nan for cell in cells]
+    return Sheet(tuple(names), values, tuple(written), np.arange(1, len(rows) + 1))
+
+
+def _read_webxr(data: Mapping[str, Any], file: str) -> RawRecording:
+    """Samples of a recording of WebXR inputs by IWER: a schema of inputs, and frames as lists of numbers."""
+    try:
+        hands = {
+            int(number): (str(kind["handedness"]), bool(kind["hasGrip"])) for number, kind in data["schema"]
+        }
+        head: list[list[float]] = []
+        inputs: dict[str, list[list[float]]] = {"left": [], "right": []}
+        for frame in data["frames"]:
+            time = float(frame[0]) / 1000.0
+            head.append([time, *(float(x) for x in frame[1:8])])
+            for entry in frame[8:]:
+                side, grip = hands[int(entry[0])]
+                if side in inputs:
+                    inputs[side].append([time, *(float(x) for x in _grip(entry, grip))])
+        tracks = [_track(rows) for rows in (head, inputs["left"], inputs["right"])]
+    except (KeyError, TypeError, ValueError, IndexError, OverflowError):
+        raise InputError(f"{file}: a recording of WebXR inputs whose frames do not fit its schema") from None
+    return RawRecording((tracks[0], tracks[1], tracks[2]), {"format": "WebXR inputs (IWER)"}, reading=_WEBXR)
+
+
+def _grip(entry: Sequence[Any], grip: bool) -> Sequence[Any]:
+    """The pose of the grip, else of the pointer; the grip stands in a list of its own or right behind."""
+    if grip and len(entry) > 8:
+        return cast(Sequence[Any], entry[8]) if isinstance(entry[8], list) else entry[8:15]
+    return entry[1:8]
+
+
+def _track(rows: list[list[float]]) -> Track:
+    values = np.array(rows, dtype=np.float64).reshape(-1, 8)
+    return Track(values[:, 0], values[:, 1:4], values[:, 4:], np.ones(len(values), dtype=np.bool_))

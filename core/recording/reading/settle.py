@@ -1,0 +1,366 @@
+"""Which of all readings of a recording shows a person: stated ones are checked, open ones are chosen.
+
+A format may say what its axes, units and rotations are. What it says is believed as long as it shows a person; else
+the reading that does is taken, and a doubt says so. What it leaves open is chosen by the same scores, and asked for
+where two readings come out alike.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...errors import InputError
+from ...maths import quat
+from ..raw import RawRecording, Reading
+from ..recording import Array
+from .answers import NO_ANSWERS, Answers
+from .apply import applied
+from .mishaps import one_clock, unswapped
+from .plausibility import Figures, Moments, in_world, measure, take_moments
+from .rotations import KINDS, kind_of, to_quaternions
+from .scores import COMMON, UNITS, Candidate, Seen, Span, best_unit, score, see, up_axis, worlds
+
+_CLEAR = 3.0
+"""Points by which the chosen reading must be ahead of the next one that shows something else."""
+_BELIEF = {"axes": 6.0, "rotation": 5.0, "unit": 2.0, "sides": 4.0, "hands": 4.0}
+"""Points against a reading other than what is stated or usual."""
+_FLOOR = (0.9, 2.2)
+"""Metres between which a headset is over a floor; one that is told from where it starts is near 0."""
+_SAME = 2.0
+"""Degrees and centimetres within which two readings show the same."""
+
+
+def settle(raw: RawRecording, file: str, answers: Answers = NO_ANSWERS) -> RawRecording:
+    """The recording in Blender's axes and metres, read as a person.
+
+    `found` gets an entry "reading" where something was chosen, `doubts` a line for each thing that is not as stated.
+
+    Raises:
+        InputError: a rate or an axis has to be told; or no reading shows a person, without `force`.
+    """
+    answers.check()
+    raw = _timed(raw, file, answers)
+    stated = _answered(raw, answers)
+    moments = take_moments(raw)
+    if moments is None:
+        return applied(raw, stated)
+    search = _Search(raw, moments, stated, answers)
+    given = search.candidate(stated)
+    # who tells the eye height says that the floor is somewhere else
+    grounded = raw.on_floor and answers.eye_height is None
+    settled = raw.stated | _said(answers)
+    if {"axes", "rotation"} <= settled and (answers.force or not faults(given.seen, grounded)):
+        return _told(raw, given, faults(given.seen, grounded), answers)
+    ranked = search.ranked(settled)
+    best = ranked[0]
+    if faults(best.seen, grounded) and {"axes", "rotation"} <= settled:
+        return _told(raw, given, faults(given.seen, grounded), answers, file)
+    left = faults(best.seen, grounded)
+    if left and not answers.force:
+        raise InputError(
+            f"{file}: no reading of it shows a person: {left[0]}; give --axes, --unit and --rotation, or --force"
+        )
+    alike = () if {"axes", "rotation"} <= settled else _alike(ranked, search, file)
+    return _told(raw, best, (*_changes(given, best, raw, settled), *alike), answers)
+
+
+def faults(seen: Seen, on_floor: bool) -> list[str]:
+    """What in a reading no person does, the worst first."""
+    out: list[str] = []
+    if seen.upright < 0.45:
+        out.append(f"the head is not upright (its up axis points up by {seen.upright:.2f})")
+    if not math.isnan(seen.ahead) and seen.ahead < 0.45:
+        out.append(f"hands are ahead of the head only {seen.ahead:.0%} of the time")
+    if not math.isnan(seen.left) and seen.left < 0.4:
+        out.append(f"the left hand is on the left only {seen.left:.0%} of the time")
+    if on_floor and not 0.55 <= seen.height <= 2.4 and not abs(seen.height) < 0.5:
+        out.append(f"the headset is at {seen.height:.2f} m")
+    if not math.isnan(seen.reach) and seen.reach < 0.6:
+        out.append(f"hands are within reach only {seen.reach:.0%} of the time")
+    return out
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Search:
+    """All readings of one recording."""
+
+    raw: RawRecording
+    moments: Moments
+    stated: Reading
+    answers: Answers
+
+    def candidate(self, reading: Reading) -> Candidate:
+        """One reading, judged."""
+        figures = measure(self.moments, reading.rotation, reading.hands)
+        return self._judged(figures, self._span(reading), reading, frozenset(_BELIEF))
+
+    def ranked(self, settled: frozenset[str]) -> list[Candidate]:
+        """Every reading, the likeliest first; odd ones only where usual ones show nobody."""
+        stated = (self.stated.rotation,)
+        out: list[Candidate] = []
+        for rotations, hands in (
+            (stated if "rotation" in settled else self._rotations(), ("world",)),
+            (self._rotations(), self._hands()),
+        ):
+            out = self._listed(settled, rotations, hands)
+            if not faults(out[0].seen, self.raw.on_floor and self.answers.eye_height is None):
+                return out
+        return out
+
+    def _listed(
+        self, settled: frozenset[str], rotations: tuple[str, ...], placings: tuple[str, ...]
+    ) -> list[Candidate]:
+        out: list[Candidate] = []
+        for rotation, hands in itertools.product(rotations, placings):
+            base = replace(self.stated, rotation=rotation, hands=hands)
+            figures, span = measure(self.moments, rotation, hands), self._span(base)
+            metres = {
+                up: self._unit(span, up, "unit" in settled) for up in itertools.product(range(3), (1.0, -1.0))
+            }
+            for axes, devices in self._worlds(settled):
+                for swapped in (False, True) if not self.answers.swap_hands else (True,):
+                    reading = replace(base, axes=axes, devices=devices, swapped=swapped)
+                    reading = replace(reading, metres=metres[up_axis(axes)])
+                    out.append(self._judged(figures, span, reading, settled))
+        return sorted(out, key=lambda candidate: -candidate.score)
+
+    def _judged(self, figures: Figures, span: Span, reading: Reading, settled: frozenset[str]) -> Candidate:
+        seen = see(figures, span, reading)
+        points = score(seen, figures, reading.metres) - self._belief(reading, settled)
+        return Candidate(reading, seen, points)
+
+    def _unit(self, span: Span, up: tuple[int, float], stated: bool) -> float:
+        if self.answers.unit:
+            return self.stated.metres
+        units = tuple(dict.fromkeys((self.stated.metres, *UNITS.values())))
+        return best_unit(span, up, self.stated.metres, units, 2.0 if stated else 0.5)
+
+    def _belief(self, reading: Reading, settled: frozenset[str]) -> float:
+        """Points against what is not stated, or where nothing is, not usual."""
+        stated, total = self.stated, 0.0
+        if "axes" in settled:
+            total += _BELIEF["axes"] * ((reading.axes, reading.devices) != (stated.axes, stated.devices))
+        else:
+            # no program has an axis that points down, but for images
+            total += 0.0 if reading.axes in COMMON else 5.0 if "D" in reading.axes else 2.5
+            total += 1.0 if reading.devices not in ("", reading.axes) else 0.0
+        if reading.rotation != stated.rotation:
+            total += _BELIEF["rotation"] if "rotation" in settled else 0.5
+            total += 2.0 if reading.rotation.endswith("inverse") else 0.0
+        total += _BELIEF["unit"] * ("unit" in settled and reading.metres != stated.metres)
+        total += _BELIEF["sides"] * (reading.swapped != stated.swapped)
+        return total + _BELIEF["hands"] * (reading.hands != stated.hands)
+
+    def _rotations(self) -> tuple[str, ...]:
+        return (self.stated.rotation,) if self.answers.rotation else KINDS[kind_of(self.stated.rotation)]
+
+    def _hands(self) -> tuple[str, ...]:
+        return ("world", "offset", "local") if self.moments.known[:, 1:].any() else ("world",)
+
+    def _worlds(self, settled: frozenset[str]) -> Iterator[tuple[str, str]]:
+        if self.answers.axes:
+            yield self.stated.axes, self.stated.devices
+            return
+        up = "XYZ".find(self.answers.up) if self.answers.up else -1
+        for axes, devices in worlds(False):
+            if up < 0 or axes[up] in "UD":
+                yield axes, devices
+        if (self.stated.devices, "axes" in settled) != ("", False):
+            yield self.stated.axes, self.stated.devices
+
+    def _span(self, reading: Reading) -> Span:
+        turns = [to_quaternions(values, reading.rotation) for values in self.moments.values]
+        places, _ = in_world(self.moments.positions, turns, reading.hands)
+        head, known = places[0, :, 0], self.moments.known
+        reaches = [np.linalg.norm(places[0, known[:, i], i] - head[known[:, i]], axis=-1) for i in (1, 2)]
+        low, high = np.percentile(head, [5, 95], axis=0)
+        return Span(np.stack([low, high], axis=-1), np.concatenate(reaches))
+
+
+def _said(answers: Answers) -> frozenset[str]:
+    """What a person has answered."""
+    said = {
+        "axes": answers.axes,
+        "unit": answers.unit,
+        "rotation": answers.rotation,
+        "sides": answers.swap_hands,
+    }
+    return frozenset(name for name, value in said.items() if value)
+
+
+def _timed(raw: RawRecording, file: str, answers: Answers) -> RawRecording:
+    """The recording with times in seconds that run on."""
+    if not raw.counted:
+        return one_clock(raw)
+    if answers.rate is None:
+        raise InputError(f"{file}: frames without times; give their number per second, such as --rate 72")
+    return replace(
+        raw,
+        counted=False,
+        tracks=tuple(replace(track, times=track.times / answers.rate) for track in raw.tracks),
+    )
+
+
+def _answered(raw: RawRecording, answers: Answers) -> Reading:
+    """The reading that the file states, with what a person says otherwise."""
+    reading = raw.reading
+    if answers.rotation and kind_of(answers.rotation) != kind_of(reading.rotation):
+        raise InputError(
+            f"--rotation {answers.rotation}: the file has {kind_of(reading.rotation)}s; give one of those"
+        )
+    return replace(
+        reading,
+        axes=answers.axes or reading.axes,
+        devices="" if answers.axes else reading.devices,
+        metres=UNITS[answers.unit] if answers.unit else reading.metres,
+        rotation=answers.rotation or reading.rotation,
+        swapped=answers.swap_hands,
+    )
+
+
+def _shown(search: _Search, reading: Reading) -> Array:
+    """Some moments as a reading shows them, `(N, 3, 7)`, from the first one's place and heading."""
+    raw = search.raw
+    picked = [
+        replace(
+            track,
+            times=search.moments.seconds,
+            positions=search.moments.positions[0, :, i],
+            rotations=search.moments.values[i][0],
+            valid=search.moments.known[:, i],
+        )
+        for i, track in enumerate(raw.tracks)
+    ]
+    tracks = applied(replace(raw, tracks=(picked[0], picked[1], picked[2])), reading).tracks
+    positions = np.stack([track.positions for track in tracks], axis=1)
+    rotations = np.stack([quat.normalize(np.nan_to_num(track.rotations)) for track in tracks], axis=1)
+    back = quat.from_yaw(-quat.heading(rotations[:1, :1]))
+    positions = quat.rotate(
+        np.broadcast_to(back, rotations.shape), positions - positions[:1, :1] * (1.0, 1.0, 0.0)
+    )
+    return np.concatenate(
+        [positions, quat.multiply(np.broadcast_to(back, rotations.shape), rotations)], axis=-1
+    )
+
+
+def _alike(ranked: list[Candidate], search: _Search, file: str) -> tuple[str, ...]:
+    """A doubt where the next reading that shows something else is about as likely; InputError where axes are."""
+    best, shown = ranked[0], _shown(search, ranked[0].reading)
+    for other in ranked[1:]:
+        if other.score < best.score - _CLEAR:
+            return ()
+        now = _shown(search, other.reading)
+        apart = 100.0 * np.linalg.norm(now[..., :3] - shown[..., :3], axis=-1)
+        turned = np.degrees(
+            2.0 * np.arccos(np.clip(np.abs((now[..., 3:] * shown[..., 3:]).sum(-1)), 0.0, 1.0))
+        )
+        known = search.moments.known
+        if np.median(apart[known]) <= _SAME and np.median(turned[known]) <= _SAME:
+            continue
+        old, new = best.reading, other.reading
+        if old.rotation != new.rotation and old.axes == new.axes:
+            # orders of angles differ little while heads are upright
+            return (
+                f"rotations are read as {old.rotation}; {new.rotation} fits nearly as well: --rotation says which",
+            )
+        raise InputError(
+            f"{file}: it fits {_differing(old, new)} and {_differing(new, old)} alike; say which"
+        )
+    return ()
+
+
+def _differing(reading: Reading, other: Reading) -> str:
+    """What a reading has that another has not, as options."""
+    parts = [
+        f"--axes {reading.axes}" if reading.axes != other.axes else "",
+        f"--rotation {reading.rotation}" if reading.rotation != other.rotation else "",
+        "--swap-hands" if reading.swapped and not other.swapped else "",
+        f"hands in the {reading.hands}" if reading.hands != other.hands else "",
+    ]
+    return " ".join(part for part in parts if part) or f"--axes {reading.axes}"
+
+
+def _axes_named(reading: Reading) -> str:
+    axes = reading.axes
+    return f"{axes} ({COMMON[axes]})" if axes in COMMON else axes
+
+
+def _mirrored(axes: str) -> str:
+    return axes.translate(str.maketrans("RL", "LR"))
+
+
+def _unit_named(metres: float) -> str:
+    return next((name for name, value in UNITS.items() if value == metres), f"{metres:g} m")
+
+
+def _changes(
+    given: Candidate, best: Candidate, raw: RawRecording, settled: frozenset[str]
+) -> tuple[str, ...]:
+    """What of the stated reading the chosen one contradicts, and why, a line each."""
+    old, new = given.reading, best.reading
+    parts: list[str] = []
+    if "axes" in settled and (old.axes, old.devices) != (new.axes, new.devices):
+        parts.append(f"axes {_axes_named(new)} in place of {_axes_named(old)}")
+    if "unit" in settled and old.metres != new.metres:
+        parts.append(f"unit {_unit_named(new.metres)} in place of {_unit_named(old.metres)}")
+    if "rotation" in settled and old.rotation != new.rotation:
+        parts.append(f"rotations {new.rotation} in place of {old.rotation}")
+    if old.swapped != new.swapped:
+        parts.append(
+            f"left and right hand swapped (if they are right, it is mirrored: --axes {_mirrored(new.axes)})"
+        )
+    if old.hands != new.hands:
+        parts.append("hands told from the head" + (", in its turned axes" if new.hands == "local" else ""))
+    if not parts:
+        return ()
+    why = faults(given.seen, raw.on_floor)
+    because = f": otherwise {why[0]}" if why else ", which fits better"
+    return (f"read with {', '.join(parts)}{because}",)
+
+
+def _told(
+    raw: RawRecording,
+    chosen: Candidate,
+    doubts: tuple[str, ...] | list[str],
+    answers: Answers,
+    file: str = "",
+) -> RawRecording:
+    """The recording as chosen, with what was chosen and how clear that was."""
+    lines = (
+        tuple(doubts)
+        if not file
+        else tuple(f"{doubt}: check axes, unit, rotations and sides" for doubt in doubts)
+    )
+    grounded = raw.on_floor and answers.eye_height is None
+    if file and doubts and not answers.force and _is_absurd(chosen.seen, grounded):
+        raise InputError(f"{file}: no reading of it shows a person: {doubts[0]}; correct it, or use --force")
+    reading, seen = chosen.reading, chosen.seen
+    parts = [_axes_named(reading), _unit_named(reading.metres), reading.rotation]
+    if not math.isnan(seen.ahead):
+        parts.append(f"hands ahead {seen.ahead:.0%} of the time")
+    read, swaps = unswapped(applied(raw, reading))
+    on_floor = raw.on_floor
+    if not on_floor and _FLOOR[0] <= seen.height <= _FLOOR[1]:
+        on_floor = True
+        lines = (
+            *lines,
+            f"heights are taken from the floor, not from the start: the headset is at {seen.height:.2f} m",
+        )
+    elif on_floor and abs(seen.height) < 0.5 and "origin" not in raw.stated:
+        on_floor = False
+    return replace(
+        read,
+        found={**raw.found, "reading": ", ".join(parts)},
+        doubts=(*raw.doubts, *lines, *swaps),
+        on_floor=on_floor,
+    )
+
+
+def _is_absurd(seen: Seen, on_floor: bool) -> bool:
+    """Whether a reading cannot even be an odd person."""
+    return seen.upright < -0.3 or (on_floor and (seen.height > 3.0 or seen.height < -2.0))
