@@ -94,6 +94,7 @@ _TIME = {
     "datetime",
     "date",
     "displaytime",
+    "ticks",
     "a",
     "t",
     "times",

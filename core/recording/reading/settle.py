@@ -97,7 +97,7 @@ class _Search:
     def candidate(self, reading: Reading) -> Candidate:
         """One reading, judged."""
         figures = measure(self.moments, reading.rotation, reading.hands)
-        return self._judged(figures, self._span(reading), reading, frozenset(_BELIEF))
+        return self._judged(figures, see(figures, self._span(reading), reading), reading, frozenset(_BELIEF))
 
     def ranked(self, settled: frozenset[str]) -> list[Candidate]:
         """Every reading, the likeliest first; odd ones only where usual ones show nobody."""
@@ -123,14 +123,17 @@ class _Search:
                 up: self._unit(span, up, "unit" in settled) for up in itertools.product(range(3), (1.0, -1.0))
             }
             for axes, devices in self._worlds(settled):
-                for swapped in (False, True) if not self.answers.swap_hands else (True,):
-                    reading = replace(base, axes=axes, devices=devices, swapped=swapped)
-                    reading = replace(reading, metres=metres[up_axis(axes)])
-                    out.append(self._judged(figures, span, reading, settled))
+                reading = replace(
+                    base, axes=axes, devices=devices, metres=metres[up_axis(axes)], swapped=False
+                )
+                seen = see(figures, span, reading)
+                for swapped in (True,) if self.answers.swap_hands else (False, True):
+                    reading = replace(reading, swapped=swapped)
+                    left = 1.0 - seen.left if swapped else seen.left
+                    out.append(self._judged(figures, replace(seen, left=left), reading, settled))
         return sorted(out, key=lambda candidate: -candidate.score)
 
-    def _judged(self, figures: Figures, span: Span, reading: Reading, settled: frozenset[str]) -> Candidate:
-        seen = see(figures, span, reading)
+    def _judged(self, figures: Figures, seen: Seen, reading: Reading, settled: frozenset[str]) -> Candidate:
         points = score(seen, figures, reading.metres) - self._belief(reading, settled)
         return Candidate(reading, seen, points)
 
