@@ -71,14 +71,12 @@ def carrier_of(hips: bpy.types.PoseBone) -> bpy.types.PoseBone:
 
 def detected_roles(obj: bpy.types.Object) -> dict[str, str]:
     """Role -> bone name as found from the names alone; empty where no preset fits."""
-    names, parents, _ = _hierarchy(obj)
-    return dict(_detect(names, parents, families())[1])
+    return dict(_detected(obj)[1])
 
 
 def detected_preset(obj: bpy.types.Object) -> tuple[str, tuple[str, ...]]:
     """Name of the naming that fits the armature ("" for none), and what is doubtful about it."""
-    names, parents, _ = _hierarchy(obj)
-    preset, _, doubts = _detect(names, parents, families())
+    preset, _, doubts = _detected(obj)
     return preset, doubts
 
 
@@ -238,12 +236,27 @@ def _copied(obj: bpy.types.Object, bone: bpy.types.PoseBone) -> str:
     return leader.name if same else ""
 
 
+def _detected(obj: bpy.types.Object) -> tuple[str, tuple[tuple[str, str], ...], tuple[str, ...]]:
+    names, parents, bones = _hierarchy(obj)
+    return _detect(names, parents, _heads(bones).tobytes(), families())
+
+
+def _heads(bones: list[bpy.types.Bone]) -> np.ndarray:
+    """`(1, B, 3)` where bones start at rest."""
+    return np.array([bone.head_local for bone in bones], dtype=np.float64).reshape(1, -1, 3)
+
+
 @lru_cache(maxsize=16)
 def _detect(
-    names: tuple[str, ...], parents: tuple[int, ...], known: Presets[NamingFamily]
+    names: tuple[str, ...], parents: tuple[int, ...], heads: bytes, known: Presets[NamingFamily]
 ) -> tuple[str, tuple[tuple[str, str], ...], tuple[str, ...]]:
+    def rest() -> np.ndarray:
+        return np.frombuffer(heads).reshape(1, -1, 3)
+
     try:
-        match = match_roles(names, np.array(parents, dtype=np.intp), known.entries, RIG_ROLES, apart=True)
+        match = match_roles(
+            names, np.array(parents, dtype=np.intp), known.entries, RIG_ROLES, apart=True, poses=rest
+        )
     except InputError:
         return "", (), ()
     pairs = tuple((role, name) for role, name in zip(match.roles, names, strict=True) if role)
@@ -271,9 +284,16 @@ def _roles(obj: bpy.types.Object, names: tuple[str, ...], wanted: Mapping[str, s
 
 def _why_not(obj: bpy.types.Object) -> str:
     """Why no naming family fits the armature."""
-    names, parents, _ = _hierarchy(obj)
+    names, parents, bones = _hierarchy(obj)
     try:
-        match_roles(names, np.array(parents, dtype=np.intp), None, RIG_ROLES, apart=True)
+        match_roles(
+            names,
+            np.array(parents, dtype=np.intp),
+            None,
+            RIG_ROLES,
+            apart=True,
+            poses=lambda: _heads(bones),
+        )
     except InputError as error:
         return str(error)
     return "no bone has a role"

@@ -28,6 +28,7 @@ from footwork.core.errors import InputError
 from footwork.core.evaluation.compare import check_report, compare_reports, comparison_in_words
 from footwork.core.jobs import run
 from footwork.core.json_text import parse_json, to_json
+from footwork.core.maths import quat
 from footwork.core.measure.words import report_in_words
 from footwork.core.mocap import families
 from footwork.core.mocap.bvh import format_bvh
@@ -200,27 +201,41 @@ def network(rng: np.random.Generator) -> Network:
 
 
 def aframe() -> bytes:
-    """A recording of a second."""
-    pose = [
-        {
-            "timestamp": 1000.0 / 60.0 * i,
-            "position": {"x": 0.01 * i, "y": 1.6, "z": -0.02 * i},
-            "rotation": {"x": 3.0, "y": 0.5 * i, "z": -2.0},
+    """The tracked walk as a browser records it."""
+    change = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
+    places = TRACKED.positions @ change.T
+    matrices = change @ quat.to_matrix(TRACKED.rotations) @ change.T
+    # Y, X, Z: the angles of R = Ry Rx Rz
+    x = np.arcsin(np.clip(-matrices[..., 1, 2], -1.0, 1.0))
+    y = np.arctan2(matrices[..., 0, 2], matrices[..., 2, 2])
+    z = np.arctan2(matrices[..., 1, 0], matrices[..., 1, 1])
+    turns = np.degrees(np.stack([x, y, z], axis=-1))
+    data = {
+        name: {
+            "poses": [
+                {
+                    "timestamp": round(1000.0 * time, 3),
+                    "position": dict(zip("xyz", place[i].round(5).tolist(), strict=True)),
+                    "rotation": dict(zip("xyz", turn[i].round(4).tolist(), strict=True)),
+                }
+                for time, place, turn in zip(TRACKED.times.tolist(), places, turns, strict=True)
+            ]
         }
-        for i in range(60)
-    ]
-    return json.dumps({name: {"poses": pose} for name in ("camera", "left", "right")}).encode()
+        for i, name in enumerate(("camera", "left", "right"))
+    }
+    return json.dumps(data).encode()
 
 
 def replay() -> bytes:
-    """A Beat Saber replay of a second."""
+    """The tracked walk as a Beat Saber replay."""
     text = struct.pack("<i", 4) + b"walk"
     info = text * 13 + bytes(4) + text * 3 + bytes(struct.calcsize("<fBffff"))
-    frames = np.zeros((60, 23), "<f4")
-    frames[:, 0] = np.arange(60) / 60.0
-    frames[:, 2:] = np.tile([0.1, 1.6, 0.2, 0.0, 0.1, 0.0, 1.0], 3)
-    frames[:, 2] += 0.01 * np.arange(60)
-    return b"\x69\x3d\x2d\x44\x01\x00" + info + b"\x01" + struct.pack("<i", 60) + frames.tobytes()
+    rotations = TRACKED.rotations[..., (1, 3, 2, 0)] * (-1.0, -1.0, -1.0, 1.0)
+    poses = np.concatenate([TRACKED.positions[..., (0, 2, 1)], rotations], axis=-1)
+    count = len(TRACKED.times)
+    frames = np.zeros((count, 23), "<f4")
+    frames[:, 0], frames[:, 2:] = TRACKED.times, poses.reshape(count, 21)
+    return b"\x69\x3d\x2d\x44\x01\x00" + info + b"\x01" + struct.pack("<i", count) + frames.tobytes()
 
 
 def table() -> bytes:

@@ -6,6 +6,7 @@ in Blender's importer, MotionBuilder and the data sets in use; an axis without a
 
 from __future__ import annotations
 
+import codecs
 import hashlib
 import io
 import os
@@ -27,6 +28,9 @@ Array = NDArray[np.floating[Any]]
 
 CHANNELS = ("Xposition", "Yposition", "Zposition", "Xrotation", "Yrotation", "Zrotation")
 _SNIFF = 1 << 16
+_UTF16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
+_CTRL_Z = b"\x1a"
+"""The end of a file in old systems."""
 _HEADER_LIMIT = 1 << 24
 """A hierarchy larger than 16 MB is noise."""
 _NUMBER_LIMIT = 64
@@ -56,6 +60,8 @@ class BvhFile:
     file: str
     """File name as given; "" for one that was not read."""
     sha256: str
+    doubts: tuple[str, ...] = ()
+    """What is odd about the file, and was read all the same."""
 
     def __len__(self) -> int:
         return len(self.values)
@@ -71,6 +77,8 @@ def read_bvh(path: str | os.PathLike[str]) -> BvhFile:
     try:
         with Path(path).open("rb") as stream:
             start = stream.read(_SNIFF)
+            if start.startswith(_UTF16):
+                return parse_bvh(_as_utf8(start + stream.read(), name), name)
             _check_start(start, name)
             while len(start) < (header_end(start) or _HEADER_LIMIT):
                 more = stream.read(len(start))
@@ -91,6 +99,13 @@ def read_bvh(path: str | os.PathLike[str]) -> BvhFile:
     except OSError as error:
         raise InputError(f"{name}: {error.strerror or error}; give a BVH file that can be read") from error
     return _build(data, header, name)
+
+
+def _as_utf8(data: bytes, file: str) -> bytes:
+    try:
+        return data.decode("utf-16").encode()
+    except UnicodeError:
+        raise InputError(f"{file}: line 1: not UTF-16 text, though it begins so; save it as UTF-8") from None
 
 
 def parse_bvh(data: bytes, file: str) -> BvhFile:
@@ -198,7 +213,17 @@ def _check_start(start: bytes, file: str) -> None:
 
 
 def _build(data: bytes, header: Header, file: str) -> BvhFile:
-    values = _parse_values(data, header, file)
+    doubts: list[str] = []
+    body = data[header.body :]
+    if body.rstrip().endswith(_CTRL_Z):
+        body = body.rstrip().rstrip(_CTRL_Z)
+        doubts.append("the file ends with a Ctrl-Z, as in old systems: it may have been cut there")
+    if header.frames == 0 and body.strip() and header.columns:
+        header.frames = sum(1 for line in body.splitlines() if line.strip())
+        doubts.append(f"the file says Frames: 0 and has {header.frames} rows: they are read")
+    if header.frames == 0:
+        raise InputError(f"{file}: line {header.frames_line}: the file has no frames; export it anew")
+    values = _parse_values(body, header, file)
     order = np.argsort(np.array(header.end_parents, dtype=np.intp), kind="stable")
     return BvhFile(
         names=tuple(header.names),
@@ -211,12 +236,12 @@ def _build(data: bytes, header: Header, file: str) -> BvhFile:
         values=values,
         file=file,
         sha256=hashlib.sha256(data).hexdigest(),
+        doubts=tuple(doubts),
     )
 
 
-def _parse_values(data: bytes, header: Header, file: str) -> Array:
+def _parse_values(body: bytes, header: Header, file: str) -> Array:
     """The body's numbers `(T, C)`; whatever is wrong is then looked for line by line."""
-    body = data[header.body :]
     if b"\n" not in body and b"\r" in body:
         body = body.replace(b"\r", b"\n")
     if header.columns == 0:

@@ -15,7 +15,7 @@ _STATEMENT = re.compile(
       (?P<hierarchy>HIERARCHY)\b
     | (?P<root>ROOT)[ \t]+(?P<root_name>[^\r\n{}]+)
     | (?P<joint>JOINT)[ \t]+(?P<joint_name>[^\r\n{}]+)
-    | (?P<end>End[ \t]+\w+)[^\r\n{}]*
+    | (?P<end>End[ \t]+\w+|EndSite\b)[^\r\n{}]*
     | (?P<open>\{)
     | (?P<close>\})
     | OFFSET\b(?P<offset>(?:[ \t]+"""
@@ -26,6 +26,7 @@ _STATEMENT = re.compile(
     )""",
     re.VERBOSE | re.IGNORECASE,
 )
+_DECIMAL_COMMA = re.compile(r"OFFSET[ \t]+[-+]?\d+,\d", re.IGNORECASE)
 _WORD = re.compile(r"[ \t]+([^\s{}]+)")
 _FRAMES = re.compile(r"\s*Frames\s*:?\s*([-+.\w]+)[^\S\n]*", re.IGNORECASE)
 _FRAME_TIME = re.compile(r"\s*Frame[ \t_]*Time\s*:?\s*([-+.,\w]+)[^\S\n]*\n?", re.IGNORECASE)
@@ -103,6 +104,8 @@ class _Scanner:
                 what = "is not expected here"
                 if rest[0].upper() in ("OFFSET", "CHANNELS", "ROOT", "JOINT"):
                     what = "lacks what should follow it"
+                    if _DECIMAL_COMMA.match(self.text, self.skip()):
+                        what = "is followed by numbers with decimal commas, where BVH has points"
                 raise self.fault(f"{rest[0]!r} {what}; export the file anew", self.skip())
             start, self.at = self.skip(), found.end()
             if found["motion"]:
@@ -204,8 +207,6 @@ class _Scanner:
         count = self.number(found[1], self.skip())
         if count != int(count) or count < 0:
             raise self.fault(f"Frames: {found[1]} is not a count; correct it", self.skip())
-        if count == 0:
-            raise self.fault("the file has no frames; export it anew", self.skip())
         result.frames, result.frames_line = int(count), self.line(self.skip())
         joints = len(result.names)
         if joints > result.columns and joints * result.frames > JOINT_FRAMES:
@@ -223,7 +224,11 @@ class _Scanner:
                 f"Frame Time: {found[1]} is not a positive number of seconds; correct it", self.skip()
             )
         if not FRAME_TIME[0] <= result.frame_time <= FRAME_TIME[1]:
-            raise self.fault(f"Frame Time: {found[1]} is no time between two frames; correct it", self.skip())
+            time = result.frame_time
+            rate = f": as frames per second write {1.0 / time:.7f}" if 10.0 <= time <= 1000.0 else ""
+            raise self.fault(
+                f"Frame Time: {found[1]} is no time between two frames; correct it{rate}", self.skip()
+            )
         result.body = found.end()
         result.body_line = self.line(result.body)
         return result

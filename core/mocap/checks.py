@@ -26,6 +26,9 @@ _BESIDE_S = 0.1
 """What lies this near to a glitch has been smoothed into it."""
 _UPRIGHT = np.cos(np.radians(45.0))
 """Height of the hips' unit up vector from which a body counts as upright."""
+_STILL_M, _STEPPING = 0.02, 0.5
+"""Metres within which hips stay that were put in place by an export, and m/s of a foot that steps."""
+_SHARE = 0.2
 _HIPS_JUMP = 0.06
 """Metres that hips may be thrown between two frames, beyond what they did before and after."""
 
@@ -112,6 +115,17 @@ def toes_aside(motion: Motion) -> float | None:
     rests = (speed <= np.quantile(speed[upright], 0.3, axis=0)) & upright[:, None]
     aside = angles.yaw_of(toes - feet) - quat.heading(motion.rotations[:, 0])[:, None]
     return float(np.angle(np.sum(np.exp(1j * aside) * rests)))
+
+
+def in_place(motion: Motion) -> bool:
+    """Whether the hips stay at one point while feet go to and fro below them as in a walk."""
+    if len(motion) < motion.fps or np.ptp(motion.positions[:, :2], axis=0).max() > _STILL_M:
+        return False
+    positions = motion.forward()[0]
+    feet = positions[:, [motion.skeleton.joint(f"foot.{side}") for side in SIDES], :2]
+    speed: Array = np.linalg.norm(kinematics.velocity(feet, motion.fps), axis=-1)
+    quickest: Array = speed.max(axis=1)
+    return float(np.mean(quickest > _STEPPING)) > _SHARE
 
 
 def walking_aside(motion: Motion) -> tuple[float, float]:

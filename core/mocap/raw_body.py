@@ -16,7 +16,7 @@ from .bvh import BvhFile, local_transforms
 
 Array = NDArray[np.floating[Any]]
 
-UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inches": 0.0254, "CMU units (5.64 cm)": 0.0254 / 0.45}
+UNITS = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "inches": 0.0254, "CMU units (5.64 cm)": 0.0254 / 0.45}
 """Length units of BVH files in metres."""
 _STANDS = 0.75
 """Share of the line from feet to head along an axis from which on that axis surely is up."""
@@ -96,6 +96,14 @@ def reduce_to_body(bvh: BvhFile, roles: tuple[str, ...]) -> RawBody:
         rotations=rotations,
         slide=slide,
     )
+
+
+def some_poses(bvh: BvhFile, count: int) -> Array:
+    """Positions `(F, J, 3)` of all joints in `count` frames at most, spread over the take; the file's axes and unit."""
+    rows = np.unique(np.linspace(0, len(bvh) - 1, count).astype(np.intp))
+    part = replace(bvh, values=bvh.values[rows])
+    local_p, local_r = local_transforms(part, np.arange(len(bvh.names)))
+    return fk.forward(local_p[:, 0], local_r, local_p, bvh.parents)[0]
 
 
 def with_toes(body: RawBody) -> tuple[RawBody, list[str]]:

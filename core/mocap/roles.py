@@ -6,8 +6,9 @@ family fits only where all joints that a body needs bear its names and hang on e
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,9 @@ from ..body.skeleton import ARM, LEG, REQUIRED_ROLES, SIDES, SPINE
 from ..errors import InputError
 from ..presets import user_folder
 from .families import KIND, NamingFamily, families, reduce_name
+from .recognise.recognise import NAME, roles_by_structure
+
+Array = NDArray[np.floating[Any]]
 
 _SPINE_ROLES = ((), ("chest",), ("spine1", "chest"), ("spine1", "spine3", "chest"), SPINE)
 """Roles of a spine of so many joints."""
@@ -40,6 +44,7 @@ def match_roles(
     among: Sequence[NamingFamily] | None = None,
     needed: Sequence[str] = REQUIRED_ROLES,
     apart: bool = False,
+    poses: Callable[[], Array] | None = None,
 ) -> RoleMatch:
     """Find the role of every joint.
 
@@ -51,6 +56,8 @@ def match_roles(
         parents: `(J,)` index of each one's parent, -1 for none; parents may follow their children.
         among: naming families to try, in order of preference; None for all that are known.
         needed: roles that must be found.
+        poses: gives positions `(F, J, 3)` of the joints in some poses, in any axes and unit; asked for where no family
+            fits, to recognise joints by words in their names and by structure. None for known families alone.
         apart: whether a part of a leg may hang on the root, the hips or a part further up, as in some rigs.
 
     Raises:
@@ -70,7 +77,7 @@ def match_roles(
             if missing and len(found) > nearest[0]:
                 nearest = (len(found), family.name, missing)
     if fitting is None:
-        raise InputError(_no_match(nearest))
+        return _by_structure(names, parents, needed, poses, nearest)
     doubts = [
         f"several joints are called {names[joint]}; the first is taken as {role}"
         for role, joint in best.items()
@@ -80,6 +87,41 @@ def match_roles(
     for role, joint in (_spine(fitting, best, reduced, ancestors) | best).items():
         roles[joint] = role
     return RoleMatch(fitting.name, tuple(roles), tuple(doubts))
+
+
+def _by_structure(
+    names: Sequence[str],
+    parents: NDArray[np.intp],
+    needed: Sequence[str],
+    poses: Callable[[], Array] | None,
+    nearest: tuple[int, str, list[str]],
+) -> RoleMatch:
+    """The joints as words and structure tell; InputError with the nearest family where they do not."""
+    if poses is None or len(names) < len(needed):
+        raise InputError(_no_match(nearest))
+    try:
+        found, doubts = roles_by_structure(names, parents, poses())
+    except InputError as error:
+        raise InputError(f"{_no_match(nearest)} ({error})") from None
+    missing = [role for role in needed if role not in found]
+    if missing:
+        raise InputError(_no_match((len(found), NAME, missing)))
+    hips = found["hips"]
+    over = hierarchy.above(parents, hips)
+    if any(found[role] in over for role in found):
+        raise InputError(
+            f"{names[over[0]]} is above the hips {names[hips]}: a tree from the head down is not read; "
+            "export it with the hips as root"
+        )
+    arms = [hierarchy.above(parents, found[f"upper_arm.{side}"]) for side in SIDES]
+    end = found.get("neck", found["head"])
+    between = hierarchy.above(parents, end)
+    between = between[: between.index(hips)][::-1] if hips in between else []
+    chain = [joint for joint in between if all(joint in arm for arm in arms)]
+    roles = [""] * len(names)
+    for role, joint in (_spread(chain) | found).items():
+        roles[joint] = role
+    return RoleMatch(NAME, tuple(roles), doubts)
 
 
 def _affixes(family: NamingFamily, reduced: Sequence[str]) -> list[tuple[str, str]]:
@@ -148,6 +190,11 @@ def _spine(
         # what lies above the arms' root is neck, named so or not
         arms = [ancestors[found[f"upper_arm.{side}"]] for side in SIDES]
         chain = [joint for joint in between if all(joint in arm for arm in arms)]
+    return _spread(chain)
+
+
+def _spread(chain: Sequence[int]) -> dict[str, int]:
+    """Roles of the joints of a spine upwards."""
     count = min(len(chain), len(SPINE))
     steps = np.round(np.linspace(0, len(chain) - 1, count)).astype(int).tolist()
     return {role: chain[step] for role, step in zip(_SPINE_ROLES[count], steps, strict=True)}

@@ -20,17 +20,23 @@ from ..maths import quat
 from . import checks
 from .bvh import BvhFile, read_bvh
 from .floor import SOLE, floor_height, is_floor, standing_height
-from .raw_body import UNITS, RawBody, find_unit, find_up, reduce_to_body, with_toes
+from .raw_body import UNITS, RawBody, find_unit, find_up, reduce_to_body, some_poses, with_toes
 from .roles import match_roles
 from .take import Take
-from .tpose import FORWARD, NEAR, looks_like_tpose, tpose_rotations
+from .tpose import FORWARD, NEAR, lifted_arms, looks_like_tpose, tpose_rotations
 from .typical import typical_pose
 
 Array = NDArray[np.floating[Any]]
 
 _LOOKED_AT = 512
+_POSES = 24
+"""Frames in which the structure of an unknown skeleton is looked at."""
 _RATES = (5.0, 1000.0)
 """Frames per second of usual mocap."""
+_USUAL = (24.0, 25.0, 30.0, 48.0, 50.0, 60.0, 90.0, 100.0, 120.0, 240.0)
+_FEW_DIGITS = 4
+_WRITTEN = 0.005
+"""Share by which a frame time that is written with few digits may be off."""
 _TPOSE_FRAME = np.radians(25.0)
 """A first frame whose limbs are this near to T-pose is one."""
 _THROWN = 6.0
@@ -72,9 +78,13 @@ def load_take(path: str | os.PathLike[str], fps: float | None = None) -> Take:
 
 def take_from_bvh(bvh: BvhFile, fps: float | None = None) -> Take:
     """As `load_take`, from a file that has been read already."""
-    notes = _Notes()
+    notes = _Notes(doubts=list(bvh.doubts))
     body = _read_body(bvh, notes)
     rate = frame_rate(bvh.frame_time)
+    if abs(1.0 / rate - bvh.frame_time) > _WRITTEN * bvh.frame_time:
+        notes.doubts.append(
+            f"the frame time {bvh.frame_time:g} s is taken for 1/{rate:g}, which it may be short for"
+        )
     if not _RATES[0] <= rate <= _RATES[1]:
         notes.doubts.append(f"{rate:g} frames per second are unlikely; check the file's frame time")
     length = f"{len(bvh)} frames, {len(bvh) / rate:.1f} s"
@@ -108,9 +118,13 @@ def frame_rate(frame_time: float) -> float:
     whole = float(max(round(1.0 / frame_time), 1))
     broadcast = max(round(1.001 / frame_time), 1) / 1.001
     for rate in (whole, broadcast):
+        if abs(rate * frame_time - 1.0) < 1e-4:
+            return rate
+    usual = min(_USUAL, key=lambda rate: abs(1.0 / rate - frame_time))
+    for rate in (*((usual,) if digits <= _FEW_DIGITS else ()), whole, broadcast):
         if abs(1.0 / rate - frame_time) <= slack:
             return rate
-    return whole if abs(whole * frame_time - 1.0) < 1e-4 else 1.0 / frame_time
+    return 1.0 / frame_time
 
 
 def to_motion(body: RawBody, tpose: Array, fps: float) -> Motion:
@@ -134,7 +148,7 @@ class _Notes:
 def _read_body(bvh: BvhFile, notes: _Notes) -> RawBody:
     """The humanoid's joints in metres and Z up."""
     try:
-        match = match_roles(bvh.names, bvh.parents)
+        match = match_roles(bvh.names, bvh.parents, poses=lambda: some_poses(bvh, _POSES))
     except InputError as error:
         raise InputError(f"{bvh.file}: {error}") from None
     known = sum(role != "" for role in match.roles)
@@ -220,7 +234,13 @@ def _find_tpose(body: RawBody, first_frame: bool, cut: int, fps: float, notes: _
     zero = np.repeat(quat.conjugate(up)[None], len(body.names), axis=0)
     rest, positions = zero, body.pose(zero)
     source = "the file's zero pose"
-    if not looks_like_tpose(body.roles, positions, NEAR):
+    lifted = lifted_arms(body.parents, body.roles, zero, positions)
+    if lifted is not None:
+        rest, positions = lifted
+    if lifted is not None and looks_like_tpose(body.roles, positions, NEAR):
+        source = "the file's zero pose, its hanging arms lifted"
+    elif not looks_like_tpose(body.roles, positions, NEAR):
+        rest, positions = zero, body.pose(zero)
         source = "the data (the file's zero pose is none)"
         if len(body.positions) - cut < 2 and not first_frame:
             notes.doubts.append(
@@ -264,6 +284,10 @@ def _check(motion: Motion, cut: int, notes: _Notes) -> None:
     aside = checks.toes_aside(motion) if len(motion) > 1 else None
     way, seconds = checks.walking_aside(motion)
     walked = f"; walks {np.degrees(way):.0f} degrees off it for {seconds:.1f} s" if seconds > 1.0 else ""
+    if checks.in_place(motion):
+        notes.doubts.append(
+            "the feet walk, but the hips stay where they are: export it with its way, not in place"
+        )
     if aside is not None:
         notes.found["hips forward"] += f"; toes point {np.degrees(aside):.0f} degrees off it{walked}"
         if abs(aside) > np.radians(60.0):

@@ -41,6 +41,8 @@ _CUBE = quat.from_matrix(
     )
 )
 """The 24 rotations of a cube."""
+_HANGING = float(np.cos(np.radians(20.0)))
+"""How straight down an arm points that hangs."""
 _LEAN = np.radians(25.0)
 """A spine that slopes more than this in T-pose is not believed."""
 _HINGES = {"upper_arm": "forearm", "thigh": "shin"}
@@ -49,6 +51,33 @@ _STRAIGHT = ("upper_arm", "forearm", "thigh", "shin")
 """Bones that lie along an axis in T-pose; others keep their slope."""
 _AGREES: dict[str, float] = {"shin": 0.4, "thigh": 0.4, **dict.fromkeys((*SPINE, "neck", "clavicle"), 0.7)}
 """Radians that the rest pose may differ from the typical one for joints of little freedom; `NEAR` for others."""
+
+
+def lifted_arms(
+    parents: NDArray[np.intp], roles: tuple[str, ...], rotations: Array, positions: Array
+) -> tuple[Array, Array] | None:
+    """A pose whose arms hang down with them lifted to the sides, palms down; None where they do not hang.
+
+    Args:
+        parents: `(J,)`.
+        roles: `(J,)`.
+        rotations: `(J, 4)` global rotations of an upright pose, Z up.
+        positions: `(J, 3)`.
+    """
+    shoulders = [roles.index(f"upper_arm.{side}") for side in SIDES]
+    across = (positions[shoulders[1]] - positions[shoulders[0]]) * (1.0, 1.0, 0.0)
+    width = float(np.linalg.norm(across))
+    forward = np.cross(UP, across / max(width, 1e-9))
+    rotations, positions = rotations.copy(), positions.copy()
+    for side, shoulder, sign in zip(SIDES, shoulders, (1.0, -1.0), strict=True):
+        arm = positions[roles.index(f"hand.{side}")] - positions[shoulder]
+        if width < 1e-6 or -arm[2] < _HANGING * float(np.linalg.norm(arm)):
+            return None
+        turn = quat.from_rotation_vector(forward * sign * np.pi / 2.0)
+        moved = hierarchy.below(parents.tolist(), [shoulder])
+        positions[moved] = positions[shoulder] + quat.rotate(turn, positions[moved] - positions[shoulder])
+        rotations[moved] = quat.multiply(turn, rotations[moved])
+    return rotations, positions
 
 
 def tpose_rotations(

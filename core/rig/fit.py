@@ -25,6 +25,8 @@ from .rig import Rig
 Array = NDArray[np.floating[Any]]
 
 
+_UPRIGHT = -0.35
+"""Cosine between trunk and legs at rest: -1 for who stands, 0 for animals on four legs."""
 _FACING = quat.from_yaw(np.pi)
 
 
@@ -188,6 +190,11 @@ def _check_limbs(rig: Rig, roles: tuple[str, ...], heads: Array) -> None:
     for a, b in [*pairs, ("thigh.L", "thigh.R"), ("hips", "head")]:
         if np.linalg.norm(heads[roles.index(a)] - heads[roles.index(b)]) <= least:
             raise InputError(f"{rig.name}: {a} and {b} are at the same place; correct the bone map")
+    hips, head = heads[roles.index("hips")], heads[roles.index("head")]
+    feet = np.mean([heads[roles.index(f"foot.{side}")] for side in SIDES], axis=0)
+    up, down = head - hips, feet - hips
+    if up @ down > _UPRIGHT * np.linalg.norm(up) * np.linalg.norm(down):
+        raise InputError(f"{rig.name}: at rest its trunk does not stand on its legs: no person's body")
 
 
 def _bone_vectors(skeleton: Skeleton) -> Array:

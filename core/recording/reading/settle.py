@@ -31,6 +31,8 @@ _BELIEF = {"axes": 6.0, "rotation": 5.0, "unit": 2.0, "sides": 4.0, "hands": 4.0
 """Points against a reading other than what is stated or usual."""
 _FLOOR = (0.9, 2.2)
 """Metres between which a headset is over a floor; one that is told from where it starts is near 0."""
+_START = 0.5
+"""Metres within which a headset stays that is told from where it starts."""
 _SAME = 2.0
 """Degrees and centimetres within which two readings show the same."""
 
@@ -51,26 +53,29 @@ def settle(raw: RawRecording, file: str, answers: Answers = NO_ANSWERS) -> RawRe
         return applied(raw, stated)
     search = _Search(raw, moments, stated, answers)
     given = search.candidate(stated)
-    # who tells the eye height says that the floor is somewhere else
-    grounded = raw.on_floor and answers.eye_height is None
     settled = raw.stated | _said(answers)
-    if {"axes", "rotation"} <= settled and (answers.force or not faults(given.seen, grounded)):
-        return _told(raw, given, faults(given.seen, grounded), answers)
+    if {"axes", "rotation"} <= settled and (answers.force or not search.faults(given)):
+        return _told(raw, given, search.faults(given), answers)
     ranked = search.ranked(settled)
     best = ranked[0]
-    if faults(best.seen, grounded) and {"axes", "rotation"} <= settled:
-        return _told(raw, given, faults(given.seen, grounded), answers, file)
-    left = faults(best.seen, grounded)
+    if search.faults(best) and {"axes", "rotation"} <= settled:
+        return _told(raw, given, search.faults(given), answers, file)
+    left = search.faults(best)
     if left and not answers.force:
         raise InputError(
             f"{file}: no reading of it shows a person: {left[0]}; give --axes, --unit and --rotation, or --force"
         )
     alike = () if {"axes", "rotation"} <= settled else _alike(ranked, search, file)
-    return _told(raw, best, (*_changes(given, best, raw, settled), *alike), answers)
+    return _told(raw, best, (*_changes(given, best, search, settled), *alike), answers)
 
 
-def faults(seen: Seen, on_floor: bool) -> list[str]:
-    """What in a reading no person does, the worst first."""
+def faults(seen: Seen, floor: str) -> list[str]:
+    """What in a reading no person does, the worst first.
+
+    Args:
+        seen: what the reading shows.
+        floor: whether heights are above the floor: "yes", "no", or "open" where they may be from the start, too.
+    """
     out: list[str] = []
     if seen.upright < 0.45:
         out.append(f"the head is not upright (its up axis points up by {seen.upright:.2f})")
@@ -78,7 +83,8 @@ def faults(seen: Seen, on_floor: bool) -> list[str]:
         out.append(f"hands are ahead of the head only {seen.ahead:.0%} of the time")
     if not math.isnan(seen.left) and seen.left < 0.4:
         out.append(f"the left hand is on the left only {seen.left:.0%} of the time")
-    if on_floor and not 0.55 <= seen.height <= 2.4 and not abs(seen.height) < 0.5:
+    started = floor == "open" and abs(seen.height) < _START
+    if floor != "no" and not 0.55 <= seen.height <= 2.4 and not started:
         out.append(f"the headset is at {seen.height:.2f} m")
     if not math.isnan(seen.reach) and seen.reach < 0.6:
         out.append(f"hands are within reach only {seen.reach:.0%} of the time")
@@ -99,18 +105,26 @@ class _Search:
         figures = measure(self.moments, reading.rotation, reading.hands)
         return self._judged(figures, see(figures, self._span(reading), reading), reading, frozenset(_BELIEF))
 
+    @property
+    def floor(self) -> str:
+        """As for `faults`."""
+        # who tells the eye height says that the floor is somewhere else
+        if not self.raw.on_floor or self.answers.eye_height is not None:
+            return "no"
+        return "yes" if "origin" in self.raw.stated else "open"
+
+    def faults(self, candidate: Candidate) -> list[str]:
+        """What in a reading no person does."""
+        return faults(candidate.seen, self.floor)
+
     def ranked(self, settled: frozenset[str]) -> list[Candidate]:
-        """Every reading, the likeliest first; odd ones only where usual ones show nobody."""
-        stated = (self.stated.rotation,)
-        out: list[Candidate] = []
-        for rotations, hands in (
-            (stated if "rotation" in settled else self._rotations(), ("world",)),
-            (self._rotations(), self._hands()),
-        ):
-            out = self._listed(settled, rotations, hands)
-            if not faults(out[0].seen, self.raw.on_floor and self.answers.eye_height is None):
-                return out
-        return out
+        """Every reading, the likeliest first; hands told from the head only where no other shows a person."""
+        ranked: list[Candidate] = []
+        for hands in (("world",), self._hands()):
+            ranked = self._listed(settled, self._rotations(), hands)
+            if not self.faults(ranked[0]):
+                break
+        return ranked
 
     def _listed(
         self, settled: frozenset[str], rotations: tuple[str, ...], placings: tuple[str, ...]
@@ -301,9 +315,7 @@ def _unit_named(metres: float) -> str:
     return next((name for name, value in UNITS.items() if value == metres), f"{metres:g} m")
 
 
-def _changes(
-    given: Candidate, best: Candidate, raw: RawRecording, settled: frozenset[str]
-) -> tuple[str, ...]:
+def _changes(given: Candidate, best: Candidate, search: _Search, settled: frozenset[str]) -> tuple[str, ...]:
     """What of the stated reading the chosen one contradicts, and why, a line each."""
     old, new = given.reading, best.reading
     parts: list[str] = []
@@ -321,7 +333,7 @@ def _changes(
         parts.append("hands told from the head" + (", in its turned axes" if new.hands == "local" else ""))
     if not parts:
         return ()
-    why = faults(given.seen, raw.on_floor)
+    why = search.faults(given)
     because = f": otherwise {why[0]}" if why else ", which fits better"
     return (f"read with {', '.join(parts)}{because}",)
 
@@ -354,7 +366,7 @@ def _told(
             *lines,
             f"heights are taken from the floor, not from the start: the headset is at {seen.height:.2f} m",
         )
-    elif on_floor and abs(seen.height) < 0.5 and "origin" not in raw.stated:
+    elif on_floor and abs(seen.height) < _START and "origin" not in raw.stated:
         on_floor = False
     return replace(
         read,

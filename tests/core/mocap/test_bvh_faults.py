@@ -50,7 +50,6 @@ FAULTS = {
     "only white space": (" \n\n\t", 1, "empty"),
     "not BVH": ("solid cube\nfacet normal 0 0 0\n", 1, "not BVH"),
     "binary": ("\x00\xff\x13PNG" * 50, 1, "not BVH"),
-    "no frames": (with_line(17, "Frames: 0"), 17, "no frames"),
     "negative frames": (with_line(17, "Frames: -3"), 17, "-3"),
     "frames not a number": (with_line(17, "Frames: three"), 17, "three"),
     "frames missing": (with_line(17, None), 17, "Frames: is missing"),
