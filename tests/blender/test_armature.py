@@ -74,14 +74,16 @@ def test_roles_set_by_hand_overrule_the_names_and_are_saved(empty, tmp_path) -> 
     assert "toe.L" in armature.armature_to_rig(obj).roles and armature.ROLE_MAP not in obj
 
 
-def test_unknown_names_can_be_mapped_by_hand(empty) -> None:
+def test_unknown_names_are_told_by_structure_and_can_be_mapped_by_hand(empty) -> None:
     rig = rig_from_skeleton(helpers.skeleton(), "Person")
     obj = armature.create_armature(rig, "Person", empty.collection)
     new_names = {bone: f"x{number}" for number, bone in enumerate(rig.bones)}
     for bone in obj.data.bones:
         bone.name = new_names[bone.name]
-    with pytest.raises(InputError, match="no known joint names"):
-        armature.armature_to_rig(obj)
+    told = dict(zip(rig.roles, rig.bones, strict=True))
+    found = armature.detected_roles(obj)
+    assert found and all(bone == new_names[told[role]] for role, bone in found.items() if "spine" not in role)
+    assert any("look at them" in doubt for doubt in armature.rig_doubts(obj))
     armature.set_roles(
         obj, {role: new_names[bone] for role, bone in zip(rig.roles, rig.bones, strict=True) if role}
     )
@@ -103,7 +105,7 @@ def test_a_bone_map_in_the_users_folder_counts_at_once(empty, tmp_path, monkeypa
     obj = armature.create_armature(rig, "Person", empty.collection)
     for bone in obj.data.bones:
         bone.name = bone.name.replace("i", "y").replace("o", "0").replace("e", "3")
-    assert armature.detected_preset(obj) == ("", ())
+    assert armature.detected_preset(obj)[0] == "names and structure"
     (tmp_path / KIND).mkdir()
     (tmp_path / KIND / "broken.json").write_text("{")
     assert any("broken.json" in doubt for doubt in armature.rig_doubts(obj))
