@@ -159,4 +159,5 @@ BAKE = Verb(
     "turn a recording into an animated rig",
     _add_arguments,
     _run,
+    maps_bones=True,
 )

@@ -123,6 +123,7 @@ BUILD_DATABASE = Verb(
     "build a motion database from takes",
     _add_build,
     _build,
+    maps_bones=True,
 )
 DATABASE_INFO = Verb(
     "database-info",

@@ -5,10 +5,11 @@ from __future__ import annotations
 import argparse
 import traceback
 from collections.abc import Sequence
+from contextlib import AbstractContextManager, nullcontext
 
 from ..core.errors import InputError
 from ..core.transaction import Transaction
-from .common import report_text, tell
+from .common import each, report_text, tell
 from .options import STDOUT, open_outputs
 from .parser import make_parser
 from .streams import ended_by_sigterm, forgiving_streams, quiet_stdout, send
@@ -37,7 +38,7 @@ def _run(options: argparse.Namespace) -> int:
     report: Report = {}
     try:
         with ended_by_sigterm(), open_outputs(options) as outputs:
-            with quiet_stdout(options.json == STDOUT):
+            with quiet_stdout(options.json == STDOUT), _bone_maps(options):
                 report = options.chosen.run(options, outputs)
             if options.json is not None:
                 _put(report, options.json, outputs)
@@ -55,6 +56,18 @@ def _run(options: argparse.Namespace) -> int:
         if outputs is None or not outputs.committed:
             return _cancelled(options)
     return LIMIT if report.get("failed") else DONE
+
+
+def _bone_maps(options: argparse.Namespace) -> AbstractContextManager[None]:
+    """The time in which the bone maps on the command line count; InputError for one that cannot be used."""
+    maps: list[str] = getattr(options, "bone_map", [])
+    if not maps:
+        return nullcontext()
+    from ..core.mocap.families import KIND, read_family
+    from ..core.presets import given_presets
+
+    each(maps, read_family)
+    return given_presets(KIND, maps)
 
 
 def _put(report: Report, target: str, outputs: Transaction) -> None:

@@ -147,4 +147,5 @@ EVALUATE = Verb(
     "compare bakes with the truth: each take is the user",
     _add_arguments,
     _run,
+    maps_bones=True,
 )

@@ -91,6 +91,7 @@ TRAIN_PREDICTOR = Verb(
     "train a body-orientation predictor on takes (needs torch)",
     _add_train,
     _train,
+    maps_bones=True,
     when_cancelled=_when_cancelled,
 )
 EVALUATE_PREDICTOR = Verb(
@@ -98,4 +99,5 @@ EVALUATE_PREDICTOR = Verb(
     "orientation errors beside the headset's forward",
     _add_evaluate,
     _evaluate,
+    maps_bones=True,
 )

@@ -63,10 +63,12 @@ INSPECT = Verb(
     "show what is found in takes or recordings, and what is doubtful",
     _add_inspect,
     _inspect,
+    maps_bones=True,
 )
 SIMULATE_RECORDING = Verb(
     "simulate-recording",
     "make a recording with virtual trackers from a take",
     _add_simulate,
     _simulate,
+    maps_bones=True,
 )

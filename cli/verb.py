@@ -24,5 +24,7 @@ class Verb:
     run: Callable[[argparse.Namespace, Transaction], Report]
     """Does the job and puts all its outputs into the transaction; a report with something under "failed" ends with exit
     code 3."""
+    maps_bones: bool = False
+    """Whether it reads takes or rigs, whose names may need a bone map."""
     when_cancelled: Callable[[argparse.Namespace], str] = lambda options: ""
     """What to say after "cancelled"."""

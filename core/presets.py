@@ -10,8 +10,10 @@ from __future__ import annotations
 import functools
 import os
 import sys
-from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Generator, Mapping, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Generic, Protocol, TypeVar, cast
 
@@ -21,6 +23,7 @@ from .json_text import read_json
 
 SHIPPED = Path(__file__).resolve().parents[1] / "presets"
 """The presets that ship."""
+_given: ContextVar[dict[str, tuple[str, ...]]] = ContextVar("given presets", default={})  # noqa: B039
 VARIABLE = "FOOTWORK_PRESETS"
 """Environment variable that names the user's folder of presets."""
 
@@ -84,7 +87,19 @@ def load_presets(kind: str, read: Callable[[Path], Preset]) -> Presets[Preset]:
         kind: the sub-folder.
         read: reads one file, a function of a module; raises InputError for a broken one.
     """
-    return cast("Presets[Preset]", _load(kind, read, _list(user_folder(kind))))
+    own = _list(user_folder(kind))
+    given = tuple((path, *_stamp(Path(path))) for path in _given.get().get(kind, ()))
+    return cast("Presets[Preset]", _load(kind, read, replace(own, files=(*given, *own.files))))
+
+
+@contextmanager
+def given_presets(kind: str, files: Sequence[str]) -> Generator[None]:
+    """A time in which further files count, before all others; they have been read by `read_preset` already."""
+    token = _given.set({**_given.get(), kind: tuple(str(Path(file).resolve()) for file in files)})
+    try:
+        yield
+    finally:
+        _given.reset(token)
 
 
 def read_preset(path: str | os.PathLike[str], parse: Callable[[Any], Preset], what: str) -> Preset:
@@ -173,7 +188,7 @@ def _list(folder: Path) -> _Listing:
     return _Listing(tuple(sorted(files)))
 
 
-def _stamp(item: os.DirEntry[str]) -> tuple[int, int, int]:
+def _stamp(item: os.DirEntry[str] | Path) -> tuple[int, int, int]:
     try:
         found = item.stat()
     except OSError:

@@ -629,3 +629,24 @@ def test_a_take_given_twice_is_doubted(demo: Path, tmp_path: Path, capsys: pytes
     assert main(["build-database", *takes, "-o", str(tmp_path / "twice.npz")]) == 0
     lines = [line for line in capsys.readouterr().err.splitlines() if "counts twice" in line]
     assert len(lines) == 1 and "renamed.bvh" in lines[0] and "walk.bvh" in lines[0]
+
+
+def test_a_bone_map_on_the_command_line(
+    tmp_path: Path, demo: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = (demo / "turn.bvh").read_text()
+    for name, other in {"Left": "links_", "Right": "rechts_", "Hips": "Becken", "Head": "Kopf"}.items():
+        text = text.replace(f" {name}", f" {other}")
+    (tmp_path / "a.bvh").write_text(text)
+    shipped = json.loads((presets.SHIPPED / "bone_maps" / "xsens.json").read_text())
+    joints = {**shipped["joints"], "hips": "Becken", "head": "Kopf"}
+    own = {"name": "On the line", "sides": ["links_", "rechts_"], "joints": joints}
+    (tmp_path / "map.json").write_text(json.dumps(own))
+    words = ["inspect", str(tmp_path / "a.bvh"), "--bone-map", str(tmp_path / "map.json")]
+    assert main(words) == 0
+    assert "On the line, " in capsys.readouterr().out
+    assert main(words[:2]) == 0
+    assert "On the line, " not in capsys.readouterr().out
+    (tmp_path / "map.json").write_text("{")
+    assert main(words) == 2
+    assert "map.json" in capsys.readouterr().err

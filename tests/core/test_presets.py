@@ -13,6 +13,7 @@ import pytest
 from footwork.core import presets
 from footwork.core.bounds import PRESET_BYTES
 from footwork.core.errors import InputError
+from footwork.core.mocap import families
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -230,3 +231,13 @@ def test_a_variable_that_leads_nowhere_is_told(own, tmp_path: Path, monkeypatch:
     (tmp_path / "file").write_text("")
     monkeypatch.setenv(presets.VARIABLE, str(tmp_path / "file"))
     assert "cannot be listed" in presets.load_presets("toys", read).skipped[0]
+
+
+def test_files_that_are_given_count_before_all_others_for_a_time(tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.setenv(presets.VARIABLE, str(tmp_path / "own"))
+    shipped = json.loads((presets.SHIPPED / families.KIND / "xsens.json").read_text("utf-8"))
+    path = tmp_path / "given.json"
+    path.write_text(json.dumps({**shipped, "name": "Given"}))
+    with presets.given_presets(families.KIND, [str(path)]):
+        assert families.families().entries[0].name == "Given"
+    assert all(entry.name != "Given" for entry in families.families().entries)
