@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
@@ -21,6 +23,8 @@ from .rotations import KINDS, WIDTHS
 _HEADER_BYTES = 16384
 NAME = "table, by the names of its columns"
 _EMPTY = Track(np.empty(0), np.empty((0, 3)), np.empty((0, 4)), np.empty(0, dtype=np.bool_))
+_CLOCK = re.compile(r"(?:(\d+):)?(\d{1,2}):(\d{1,2}(?:[.,]\d+)?)\s*$")
+_USUAL_RATE = 72.0
 _BARE = ("px", "py", "pz", "q_0", "q_1", "q_2", "q_3")
 """Columns of a tracker in a table without names."""
 
@@ -80,7 +84,7 @@ def read(content: bytes, file: str) -> RawRecording:
     whole = np.full((len(values), len(names)), np.nan)
     whole[:, wanted] = values
     texts: list[tuple[str, ...]] = [()] * len(names)
-    for column in (found.time, found.number, found.device):
+    for column in (found.time, found.number, found.device, *found.times.values()):
         if column >= 0:
             rows = [lines[int(number) - 1] for number in numbers]
             texts[column] = tuple(row.split(",")[column].strip() for row in rows)
@@ -100,14 +104,19 @@ def to_raw(sheet: Sheet, found: Understood, file: str, name: str) -> RawRecordin
         InputError: times that are none.
     """
     times, counted = _times(sheet, found, file)
+    own = _own_times(sheet, found, times, file)
     tracks: dict[str, Track] = {}
     kinds: dict[str, Columns] = {}
     for tracker, pose, rows in _groups(sheet, found):
         values = sheet.values[rows]
+        pose = _by_rows(pose, values)
         tracks.setdefault(
             tracker,
             Track(
-                times[rows], values[:, pose.place], values[:, pose.turn], np.ones(len(values), dtype=np.bool_)
+                own.get(tracker, times)[rows],
+                values[:, pose.place],
+                values[:, pose.turn],
+                np.ones(len(values), dtype=np.bool_),
             ),
         )
         kinds.setdefault(tracker, pose)
@@ -131,7 +140,20 @@ def to_raw(sheet: Sheet, found: Understood, file: str, name: str) -> RawRecordin
         stated=frozenset(stated) & STATED,
         extra=tuple(Extra(t, track) for t, track in same.items() if t not in TRACKERS),
         counted=counted,
+        doubts=tuple(
+            f"there are several poses of {tracker}: the one in {sheet.names[kinds[tracker].place[0]]!r} is read"
+            for tracker in found.several
+            if tracker in TRACKERS
+        ),
     )
+
+
+def _by_rows(pose: Columns, values: Array) -> Columns:
+    """The columns of a pose whose matrices are written row by row, also of those written column by column."""
+    if not pose.last or not np.all(np.nan_to_num(values[:, pose.place]) == 0.0):
+        return pose
+    turn = [pose.turn[3 * c + r] for r in range(3) for c in range(3)]
+    return replace(pose, place=pose.last, turn=turn)
 
 
 def _groups(sheet: Sheet, found: Understood) -> list[tuple[str, Columns, NDArray[np.intp]]]:
@@ -156,14 +178,34 @@ def _times(sheet: Sheet, found: Understood, file: str) -> tuple[Array, bool]:
             if np.isfinite(numbers).all():
                 return numbers - (numbers[0] if len(numbers) else 0.0), True
         return np.arange(len(sheet.values), dtype=np.float64), True
-    texts = sheet.texts[found.time]
-    values, unit = np.empty(len(texts)), found.seconds
+    values, dated = _clock(sheet, found.time, file)
+    known = values[np.isfinite(values)]
+    values -= known[0] if len(known) else 0.0
+    return values * (1.0 if dated else found.seconds or _unit(values, file)), False
+
+
+def _own_times(sheet: Sheet, found: Understood, times: Array, file: str) -> dict[str, Array]:
+    """Seconds `(N,)` of the trackers that have columns of times of their own, on the clock of `times`."""
+    if not found.times or found.time < 0:
+        return {}
+    common, _ = _clock(sheet, found.time, file)
+    span, seconds = np.nanmax(common) - np.nanmin(common), np.nanmax(times) - np.nanmin(times)
+    unit = float(seconds / span) if span > 0.0 else 1.0
+    return {
+        tracker: times + (_clock(sheet, column, file)[0] - common) * unit
+        for tracker, column in found.times.items()
+    }
+
+
+def _clock(sheet: Sheet, column: int, file: str) -> tuple[Array, bool]:
+    """What a column of times says `(N,)`, NaN where nothing, and whether these are seconds of dates."""
+    texts = sheet.texts[column]
+    values, dated = np.empty(len(texts)), False
     for row, text in enumerate(texts):
         values[row] = _number(text)
-        if np.isnan(values[row]):
-            values[row], unit = _date(text, f"{file}: line {int(sheet.lines[row])}"), 1.0
-    values -= values[0] if len(values) else 0.0
-    return values * (unit or _unit(values, file)), False
+        if np.isnan(values[row]) and text.strip():
+            values[row], dated = _date(text, f"{file}: line {int(sheet.lines[row])}"), True
+    return values, dated
 
 
 def _number(text: str) -> float:
@@ -174,7 +216,10 @@ def _number(text: str) -> float:
 
 
 def _date(text: str, where: str) -> float:
-    """Seconds of a date and time in ISO 8601."""
+    """Seconds of a date and time in ISO 8601, or of hours, minutes and seconds."""
+    clock = _CLOCK.search(text)
+    if clock is not None and "-" not in text and "/" not in text:
+        return 3600.0 * float(clock[1] or 0) + 60.0 * float(clock[2]) + float(clock[3])
     try:
         return datetime.fromisoformat(text.replace("Z", "+00:00")).timestamp()
     except (ValueError, OverflowError, OSError):
@@ -186,9 +231,9 @@ def _unit(values: Array, file: str) -> float:
     steps: Any = np.diff(values)
     steps = steps[steps > 0.0]
     step = float(np.median(steps)) if len(steps) else 0.0
-    for unit in (1.0, 1e-3, 1e-6, 1e-7, 1e-9):
-        if 0.002 <= step * unit <= 0.115:
-            return unit
+    fitting = [unit for unit in (1.0, 1e-3, 1e-6, 1e-7, 1e-9) if 0.002 <= step * unit <= 0.115]
+    if fitting:
+        return min(fitting, key=lambda unit: abs(math.log(step * unit * _USUAL_RATE)))
     if step == 0.0:
         return 1.0
     raise InputError(f"{file}: its times tell no unit; call their column time_s, time_ms, time_us or time_ns")

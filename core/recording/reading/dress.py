@@ -15,7 +15,9 @@ _UTF16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 COMMENT = ("#", "//", "%")
 _DECIMAL_COMMA = re.compile(r"\s*[-+]?\d*,\d+(?:[eE][-+]?\d+)?\s*")
 _VECTOR = re.compile(r"[\[({]\s*([-+0-9.eE]+(?:[\s,;]+[-+0-9.eE]+){2,15})\s*[\])}]")
-_EMPTY = frozenset(("null", "none", "nan", "n/a", "na", "-", "undefined"))
+_EMPTY = frozenset(
+    ("-nan(ind)", "-nan", "1.#qnan", "-1.#ind", "null", "none", "nan", "n/a", "na", "-", "undefined")
+)
 _LOOKED_AT = 65536
 """Bytes that tell how a table is written."""
 LEAST_COLUMNS = 7
@@ -39,12 +41,24 @@ def unpacked(content: bytes, file: str) -> bytes:
             )
         if not unpacker.eof:
             raise InputError(f"{file}: its compression breaks off; copy it again")
+    mark = _unmarked(content[:400])
+    content = mark + content
     if content.startswith(_UTF16):
         try:
             return content.decode("utf-16").encode()
         except UnicodeError:
             raise InputError(f"{file}: not UTF-16 text, though it begins so; save it as UTF-8") from None
     return content
+
+
+def _unmarked(start: bytes) -> bytes:
+    """The mark of UTF-16 that a text in it lacks; nothing for anything else."""
+    if len(start) < 40 or start.startswith(_UTF16):
+        return b""
+    for mark, letters, blanks in ((_UTF16[0], start[::2], start[1::2]), (_UTF16[1], start[1::2], start[::2])):
+        if not any(blanks) and all(9 <= letter < 127 for letter in letters):
+            return mark
+    return b""
 
 
 def header_line(lines: list[str]) -> int:

@@ -12,6 +12,11 @@ from dataclasses import dataclass, field
 
 _HEAD = {
     "head",
+    "kopf",
+    "tete",
+    "cabeza",
+    "testa",
+    "casque",
     "hmd",
     "headset",
     "camera",
@@ -25,8 +30,34 @@ _HEAD = {
     "h",
 }
 _SIDES = {
-    "left": {"l", "lhand", "lcontroller", "ltouch", "lcon", "handl", "controllerl"},
-    "right": {"r", "rhand", "rcontroller", "rtouch", "rcon", "handr", "controllerr"},
+    "left": {
+        "links",
+        "linke",
+        "gauche",
+        "izquierda",
+        "sinistra",
+        "l",
+        "lhand",
+        "lcontroller",
+        "ltouch",
+        "lcon",
+        "handl",
+        "controllerl",
+    },
+    "right": {
+        "rechts",
+        "rechte",
+        "droite",
+        "derecha",
+        "destra",
+        "r",
+        "rhand",
+        "rcontroller",
+        "rtouch",
+        "rcon",
+        "handr",
+        "controllerr",
+    },
 }
 _HANDS = {"hand", "controller", "touch", "wand", "con", "grip", "ctrl"}
 _OTHERS = {
@@ -54,13 +85,20 @@ _PLACE = {
 }
 _TURN = {
     "rot", "rotation", "rotations", "quat", "quaternion", "orientation", "ori", "orient", "q", "r", "euler", "angle",
-    "angles", "rotator", "attitude", "eulerangles",
+    "angles", "rotvec", "rvec", "rotator", "attitude", "eulerangles",
 }  # fmt: skip
 _SIXD = {"sixd", "6d", "rot6d"}
 _MATRIX = {"matrix", "mat", "transform", "m"}
 _GLUED = re.compile(
     r"(pos|position|loc|location|rot|rotation|quat|quaternion|orientation|ori|euler|q|p|t|r)?([xyzw])"
 )
+_COUNTED = re.compile(r"(?:q|quat)([0-3]|[rijk])")
+_COMPLEX = {"r": "w", "i": "x", "j": "y", "k": "z"}
+_APART = {
+    "local": 5, "parent": 5, "relative": 5, "target": 3, "spectator": 3, "aim": 2, "pointer": 2, "raw": 1, "grip": 0,
+    "world": 0, "global": 0,
+}  # fmt: skip
+"""How far words beside a pose's own make it another pose than the one that is looked for; 1 for any other word."""
 _CELL = re.compile(r"(?:m|r|mat|matrix)?([0-3])([0-3])")
 ANGLES = ("pitch", "yaw", "roll")
 METRES = {
@@ -72,6 +110,9 @@ METRES = {
     "mm": 0.001,
     "ft": 0.3048,
     "feet": 0.3048,
+    "in": 0.0254,
+    "inch": 0.0254,
+    "inches": 0.0254,
 }
 _DEGREES = {
     "deg": "degrees",
@@ -95,6 +136,10 @@ _TIME = {
     "date",
     "displaytime",
     "ticks",
+    "ts",
+    "stamp",
+    "epoch",
+    "unix",
     "a",
     "t",
     "times",
@@ -142,6 +187,8 @@ class Meaning:
     """Of a unit of length that the name has, 0 for none."""
     angles: str = ""
     """"degrees", "radians" or ""."""
+    beside: tuple[str, ...] = ()
+    """What the name says beside tracker, kind and component."""
 
 
 @dataclass(slots=True)
@@ -154,6 +201,8 @@ class Columns:
     """Of the rotation, as in `rotations.KINDS`, or "frame" where `turn` are three rows of four."""
     ordered: bool = True
     """Whether names tell the quaternion's w from the others."""
+    last: list[int] = field(default_factory=list[int])
+    """The start of a fourth row, which holds the place where matrices are written column by column."""
 
 
 @dataclass(slots=True)
@@ -164,6 +213,10 @@ class Understood:
     time: int = -1
     seconds: float = 0.0
     """Of the time's unit; 0 where its numbers have to tell."""
+    times: dict[str, int] = field(default_factory=dict[str, int])
+    """Columns of times of a tracker's own."""
+    several: list[str] = field(default_factory=list[str])
+    """Trackers of which there is more than one pose."""
     number: int = -1
     """Column that counts frames."""
     device: int = -1
@@ -212,7 +265,19 @@ def meaning(name: str) -> Meaning:
         return Meaning()
     tracker, used = whose(words[:-1])
     kind, part = _component(words[used:] if tracker else words)
-    return Meaning(tracker, kind, part, metres, degrees) if part else Meaning()
+    if not part:
+        return Meaning()
+    return Meaning(
+        tracker, kind, part, metres, degrees, tuple(word for word in words[:-1] if _is_beside(word))
+    )
+
+
+def _is_beside(word: str) -> bool:
+    """Whether a word says something of a pose beside what it is of and what it is."""
+    known = (
+        word in _PLACE or word in _TURN or word in _HANDS or word in _HEAD or word in _SIXD or word in _MATRIX
+    )
+    return word in _APART or not (known or word.isdecimal() or whose([word])[0])
 
 
 def _component(words: Sequence[str]) -> tuple[str, str]:
@@ -234,6 +299,9 @@ def _component(words: Sequence[str]) -> tuple[str, str]:
         return kind, last
     if last in ANGLES:
         return "turn", last
+    counted = _COUNTED.fullmatch(last)
+    if counted:
+        return "turn", _COMPLEX.get(counted[1], counted[1])
     glued, cell = _GLUED.fullmatch(last), _CELL.fullmatch(last)
     if glued:
         if glued[1]:
@@ -250,19 +318,29 @@ def _component(words: Sequence[str]) -> tuple[str, str]:
 def understand(names: Sequence[str]) -> Understood:
     """What the names of a table's columns say."""
     out = Understood({})
-    parts: dict[str, dict[str, dict[str, int]]] = {}
+    poses: dict[str, dict[tuple[str, ...], dict[str, dict[str, int]]]] = {}
     for column, name in enumerate(names):
         said = meaning(name)
         if said.part:
-            parts.setdefault(said.tracker, {}).setdefault(said.kind, {}).setdefault(said.part, column)
+            pose = poses.setdefault(said.tracker, {}).setdefault(said.beside, {})
+            pose.setdefault(said.kind, {}).setdefault(said.part, column)
             out.metres = out.metres or said.metres
             out.angles = out.angles or said.angles
         else:
             _other(out, column, name)
-    for tracker, kinds in parts.items():
-        found = _columns(kinds)
-        if found is not None:
-            out.trackers[tracker] = found
+    for tracker, several in poses.items():
+        beside = sorted(several, key=lambda words: sum(_APART.get(word, 1) for word in words))
+        whole = [found for found in (_columns(several[words]) for words in beside) if found is not None]
+        if not whole:
+            kinds: dict[str, dict[str, int]] = {}
+            for words in beside:
+                for kind, parts in several[words].items():
+                    kinds.setdefault(kind, parts)
+            whole = [found for found in [_columns(kinds)] if found is not None]
+        if whole:
+            out.trackers[tracker] = whole[0]
+        if len(whole) > 1 and tracker:
+            out.several.append(tracker)
     return out
 
 
@@ -271,9 +349,11 @@ def _other(out: Understood, column: int, name: str) -> None:
     words = words_of(name)
     if not words:
         return
-    # a column of the time in a better unit, or of the headset's display, is as good
+    tracker = whose(words[:-1])[0] if words[-1] in _TIME - {"a", "t"} else ""
+    if tracker:
+        out.times.setdefault(tracker, column)
     if out.time < 0 and (
-        words[0] in _TIME or _TIME & set(words) - {"a", "t"} or words[-1] in ("timestamp", "time")
+        words[0] in _TIME or _TIME & set(words) - {"a", "t"} or name.strip().lower() in SECONDS
     ):
         out.time = column
         out.seconds = next((SECONDS[word] for word in reversed(words) if word in SECONDS), 0.0)
@@ -298,7 +378,8 @@ def _columns(kinds: dict[str, dict[str, int]]) -> Columns | None:
         ("012", "euler", True),
     ):  # fmt: skip
         found = _picked(turn, order)
-        if found:
+        # of more numbers in a list the first four are no quaternion
+        if found and (order[0] != "0" or len(turn) == len(order)):
             return Columns(places, found, kind, ordered)
     for source, order, kind in (
         (kinds.get("sixd", {}), "abcdef", "sixd"), (kinds.get("sixd", {}), "012345", "sixd"), (turn, "012345", "sixd"),
@@ -313,13 +394,13 @@ def _columns(kinds: dict[str, dict[str, int]]) -> Columns | None:
 
 def _whole(parts: dict[str, int]) -> Columns | None:
     """Columns of a pose in one list or matrix: 7 numbers, or 3 or 4 rows of 4."""
-    rows = _picked(parts, [f"{r}{c}" for r in range(3) for c in range(4)])
+    high = 4 if len(parts) == 16 else 3
+    rows = _picked(parts, [f"{r}{c}" for r in range(high) for c in range(4)])
     if not rows and len(parts) in (12, 16):
-        rows = _picked(parts, [str(n) for n in range(12)])
+        rows = _picked(parts, [str(n) for n in range(4 * high)])
     if rows:
-        return Columns(
-            [rows[3], rows[7], rows[11]], [rows[4 * r + c] for r in range(3) for c in range(3)], "matrix"
-        )
+        turn = [rows[4 * r + c] for r in range(3) for c in range(3)]
+        return Columns([rows[3], rows[7], rows[11]], turn, "matrix", last=rows[12:15])
     seven = _picked(parts, "0123456")
     return Columns(seven[:3], seven[3:], "quaternion", False) if seven and len(parts) == 7 else None
 

@@ -12,6 +12,8 @@ from ..raw import RawRecording, Track
 from ..recording import Array
 
 _RESTART_S = 1.0
+_COARSE = 0.2
+"""Share of samples without a time of their own that is worth a doubt."""
 _NEARER = 0.35
 """Of the way that both controllers would have jumped, how much is left when they are exchanged."""
 _APART_M = 0.12
@@ -52,6 +54,18 @@ def _continued(track: Track) -> Track:
     for start in _restarts(track.times).tolist():
         times[start:] += times[start - 1] + step - times[start]
     return replace(track, times=times)
+
+
+def coarse(raw: RawRecording) -> tuple[str, ...]:
+    """A doubt where many samples have the time of the one before."""
+    times = raw.tracks[0].times
+    steps: Array = np.diff(times)
+    share = np.count_nonzero(steps == 0.0) / max(len(steps), 1)
+    if share < _COARSE:
+        return ()
+    return (
+        f"{share:.0%} of the samples have the time of the one before and are left out: its clock is too coarse",
+    )
 
 
 def unswapped(raw: RawRecording) -> tuple[RawRecording, tuple[str, ...]]:

@@ -42,7 +42,7 @@ def read(content: bytes, file: str) -> RawRecording:
         names = tuple(dict.fromkeys(name for row in (*rows[:50], rows[-1]) for name in row))[:_MOST_NAMES]
         found = understand(names)
         if is_posed(found):
-            sheet = _sheet(names, rows, (found.time, found.number, found.device))
+            sheet = _sheet(names, rows, (found.time, found.number, found.device, *found.times.values()))
             return to_raw(sheet, found, file, NAME)
     raise InputError(
         f"{file}: JSON without frames that tell a headset's position and rotation; name them head, left and right"

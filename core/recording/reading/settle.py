@@ -20,7 +20,7 @@ from ..raw import RawRecording, Reading
 from ..recording import Array
 from .answers import NO_ANSWERS, Answers
 from .apply import applied
-from .mishaps import one_clock, unswapped
+from .mishaps import coarse, one_clock, unswapped
 from .plausibility import Figures, Moments, in_world, measure, take_moments
 from .rotations import KINDS, kind_of, to_quaternions
 from .scores import COMMON, UNITS, Candidate, Seen, Span, best_unit, score, see, up_axis, worlds
@@ -31,6 +31,9 @@ _BELIEF = {"axes": 6.0, "rotation": 5.0, "unit": 2.0, "sides": 4.0, "hands": 4.0
 """Points against a reading other than what is stated or usual."""
 _FLOOR = (0.9, 2.2)
 """Metres between which a headset is over a floor; one that is told from where it starts is near 0."""
+_MOST_RADIANS = 7.0
+_BETTER = 0.0
+"""Points of the movement alone by which another reading of rotations is worth a doubt."""
 _START = 0.5
 """Metres within which a headset stays that is told from where it starts."""
 _SAME = 2.0
@@ -148,7 +151,7 @@ class _Search:
         return sorted(out, key=lambda candidate: -candidate.score)
 
     def _judged(self, figures: Figures, seen: Seen, reading: Reading, settled: frozenset[str]) -> Candidate:
-        points = score(seen, figures, reading.metres) - self._belief(reading, settled)
+        points = score(seen, figures, reading.metres) - self.belief(reading, settled)
         return Candidate(reading, seen, points)
 
     def _unit(self, span: Span, up: tuple[int, float], stated: bool) -> float:
@@ -157,7 +160,7 @@ class _Search:
         units = tuple(dict.fromkeys((self.stated.metres, *UNITS.values())))
         return best_unit(span, up, self.stated.metres, units, 2.0 if stated else 0.5)
 
-    def _belief(self, reading: Reading, settled: frozenset[str]) -> float:
+    def belief(self, reading: Reading, settled: frozenset[str]) -> float:
         """Points against what is not stated, or where nothing is, not usual."""
         stated, total = self.stated, 0.0
         if "axes" in settled:
@@ -168,13 +171,24 @@ class _Search:
             total += 1.0 if reading.devices not in ("", reading.axes) else 0.0
         if reading.rotation != stated.rotation:
             total += _BELIEF["rotation"] if "rotation" in settled else 0.5
-            total += 2.0 if reading.rotation.endswith("inverse") else 0.0
+            total += (
+                2.0 if reading.rotation.startswith("vector") or reading.rotation.endswith("inverse") else 0.0
+            )
         total += _BELIEF["unit"] * ("unit" in settled and reading.metres != stated.metres)
         total += _BELIEF["sides"] * (reading.swapped != stated.swapped)
         return total + _BELIEF["hands"] * (reading.hands != stated.hands)
 
     def _rotations(self) -> tuple[str, ...]:
-        return (self.stated.rotation,) if self.answers.rotation else KINDS[kind_of(self.stated.rotation)]
+        if self.answers.rotation:
+            return (self.stated.rotation,)
+        kind = kind_of(self.stated.rotation)
+        if kind not in ("euler", "rotator"):
+            return KINDS[kind]
+        # no recording stays within six degrees
+        known = [values[np.isfinite(values)] for values in self.moments.values]
+        most = max((float(np.abs(values).max()) for values in known if values.size), default=0.0)
+        unit = "radians" if most < _MOST_RADIANS else "degrees"
+        return tuple(name for name in KINDS[kind] if name.endswith(unit))
 
     def _hands(self) -> tuple[str, ...]:
         return ("world", "offset", "local") if self.moments.known[:, 1:].any() else ("world",)
@@ -270,7 +284,7 @@ def _alike(ranked: list[Candidate], search: _Search, file: str) -> tuple[str, ..
     best, shown = ranked[0], _shown(search, ranked[0].reading)
     for other in ranked[1:]:
         if other.score < best.score - _CLEAR:
-            return ()
+            break
         now = _shown(search, other.reading)
         apart = 100.0 * np.linalg.norm(now[..., :3] - shown[..., :3], axis=-1)
         turned = np.degrees(
@@ -288,7 +302,26 @@ def _alike(ranked: list[Candidate], search: _Search, file: str) -> tuple[str, ..
         raise InputError(
             f"{file}: it fits {_differing(old, new)} and {_differing(new, old)} alike; say which"
         )
-    return ()
+    return _moving_better(ranked, search)
+
+
+def _moving_better(ranked: list[Candidate], search: _Search) -> tuple[str, ...]:
+    """A doubt where the movement alone, without any belief in names, speaks for other rotations."""
+    settled = search.raw.stated | _said(search.answers)
+
+    def moving(candidate: Candidate) -> float:
+        return candidate.score + search.belief(candidate.reading, settled)
+
+    best = ranked[0]
+    if "D" in best.reading.axes and "axes" not in settled:
+        return (f"axes are read as {best.reading.axes}, which no known program writes: check them",)
+    other = max((c for c in ranked if c.reading.axes == best.reading.axes), key=moving)
+    if other.reading.rotation == best.reading.rotation or moving(other) < moving(best) + _BETTER:
+        return ()
+    return (
+        f"rotations are read as {best.reading.rotation}, though the movement fits {other.reading.rotation} better: "
+        "--rotation says which",
+    )
 
 
 def _differing(reading: Reading, other: Reading) -> str:
@@ -371,7 +404,7 @@ def _told(
     return replace(
         read,
         found={**raw.found, "reading": ", ".join(parts)},
-        doubts=(*raw.doubts, *lines, *swaps),
+        doubts=(*raw.doubts, *coarse(raw), *lines, *swaps),
         on_floor=on_floor,
     )
 

@@ -467,3 +467,77 @@ def test_every_case_is_read_right_or_asked_about(data: Path) -> None:
 
 
 assert len(TRACKERS) == len(NAMES)
+
+
+@pytest.mark.parametrize("rate", [60.0, 90.0, 120.0])
+def test_ticks_are_told_from_microseconds(tmp_path, walk, rate) -> None:
+    content = table(
+        walk,
+        columns(walk, "RUF"),
+        names(trackers=("head", "left", "right")),
+        "timestamp",
+        lambda s: f"{1e7 * s * 60.0 / rate:.0f}",
+    )
+    found = read(tmp_path, content)
+    assert found.times[-1] == pytest.approx(walk.times[len(found) - 1] * 60.0 / rate, abs=0.01)
+
+
+def test_radians_are_told_from_degrees(tmp_path, walk) -> None:
+    places, turns = poses(walk, "RUF")
+    y, x, z = turns.as_euler("YXZ").T
+    values = np.concatenate([places, np.stack([x, y, z], -1).reshape(-1, 3, 3)], axis=-1)
+    header = [f"{t}_{kind}_{a}" for t in ("head", "left", "right") for kind in ("pos", "rot") for a in "xyz"]
+    found = read(tmp_path, table(walk, values, header))
+    assert "radians" in found.found["reading"]
+
+
+def test_of_several_poses_the_trackers_own_is_read_and_the_others_are_named(tmp_path, walk) -> None:
+    rows = columns(walk, "RUB")
+    aimed = rows[:, 1:].copy()
+    aimed[..., :3] += 0.06
+    header = names(trackers=("head", "left_aim", "right_aim", "left_grip", "right_grip"))
+    values = np.concatenate([rows[:, :1], aimed, rows[:, 1:]], axis=1)
+    found = read(tmp_path, table(walk, values, header))
+    assert is_walk(found, walk)
+    assert any("several poses of left" in doubt and "left_grip" in doubt for doubt in found.doubts)
+
+
+@pytest.mark.parametrize("flat", [True, False])
+def test_matrices_written_column_by_column(tmp_path, walk, flat) -> None:
+    places, turns = poses(walk, "RUB")
+    whole = np.tile(np.eye(4), (len(walk), 3, 1, 1))
+    whole[..., :3, :3], whole[..., :3, 3] = turns.as_matrix().reshape(-1, 3, 3, 3), places
+    written = np.swapaxes(whole, -1, -2)
+    frames = [
+        {
+            "t": s,
+            **{n: {"matrix": (m.ravel() if flat else m).tolist()} for n, m in zip(NAMES, row, strict=True)},
+        }
+        for s, row in zip(walk.times.tolist(), written, strict=True)
+    ]
+    assert is_walk(read(tmp_path, json.dumps(frames)), walk)
+
+
+def test_trackers_with_times_of_their_own(tmp_path, walk) -> None:
+    rows = columns(walk, "RUF")
+    lag = 5
+    late = rows.copy()
+    late[lag:, 1:] = rows[:-lag, 1:]
+    header = ["head_time", "left_time", "right_time", *names(trackers=("head", "left", "right"))]
+    lines = [",".join(header)]
+    for second, row in zip(walk.times, late, strict=True):
+        own = [second, second - lag / 60.0, second - lag / 60.0]
+        lines.append(",".join(f"{value:.7f}" for value in (*own, *row.ravel())))
+    found = read(tmp_path, "\n".join(lines))
+    near = np.linalg.norm(found.positions - walk.positions[: len(found)], axis=-1)[30:-30]
+    assert np.median(near[:, 1:]) < 0.005
+
+
+@pytest.mark.parametrize("letters", ["0123", "rijk"])
+def test_other_names_of_a_quaternions_numbers(tmp_path, walk, letters) -> None:
+    rows = columns(walk, "RUF")[..., [0, 1, 2, 6, 3, 4, 5]]
+    header = [
+        f"{t}_{c}" for t in ("head", "left", "right") for c in ("px", "py", "pz", *(f"q{k}" for k in letters))
+    ]
+    found = read(tmp_path, table(walk, rows, header), Answers(rotation="wxyz"))
+    assert is_walk(found, walk)
