@@ -26,9 +26,8 @@ _BESIDE_S = 0.1
 """What lies this near to a glitch has been smoothed into it."""
 _UPRIGHT = np.cos(np.radians(45.0))
 """Height of the hips' unit up vector from which a body counts as upright."""
-_STILL_M, _STEPPING = 0.02, 0.5
-"""Metres within which hips stay that were put in place by an export, and m/s of a foot that steps."""
-_SHARE = 0.2
+_STILL_M, _STEP_M = 0.002, 0.03
+"""Metres within which hips stay that an export put in place, and beyond which a foot has moved."""
 _HIPS_JUMP = 0.06
 """Metres that hips may be thrown between two frames, beyond what they did before and after."""
 
@@ -118,14 +117,12 @@ def toes_aside(motion: Motion) -> float | None:
 
 
 def in_place(motion: Motion) -> bool:
-    """Whether the hips stay at one point while feet go to and fro below them as in a walk."""
+    """Whether the hips stay at one point, as no living body's do, while the feet move."""
     if len(motion) < motion.fps or np.ptp(motion.positions[:, :2], axis=0).max() > _STILL_M:
         return False
-    positions = motion.forward()[0]
-    feet = positions[:, [motion.skeleton.joint(f"foot.{side}") for side in SIDES], :2]
-    speed: Array = np.linalg.norm(kinematics.velocity(feet, motion.fps), axis=-1)
-    quickest: Array = speed.max(axis=1)
-    return float(np.mean(quickest > _STEPPING)) > _SHARE
+    feet = [motion.skeleton.joint(f"foot.{side}") for side in SIDES]
+    ways: Array = np.ptp(motion.forward()[0][:, feet], axis=0)
+    return float(ways.max()) > _STEP_M
 
 
 def walking_aside(motion: Motion) -> tuple[float, float]:

@@ -286,7 +286,7 @@ def _check(motion: Motion, cut: int, notes: _Notes) -> None:
     walked = f"; walks {np.degrees(way):.0f} degrees off it for {seconds:.1f} s" if seconds > 1.0 else ""
     if checks.in_place(motion):
         notes.doubts.append(
-            "the feet walk, but the hips stay where they are: export it with its way, not in place"
+            "the feet move, but the hips stay at one point: export it with its way, not in place"
         )
     if aside is not None:
         notes.found["hips forward"] += f"; toes point {np.degrees(aside):.0f} degrees off it{walked}"
