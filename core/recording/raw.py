@@ -85,8 +85,6 @@ class RawRecording:
     """How the tracks' numbers are to be understood, as far as the file or its format tells."""
     stated: frozenset[str] = STATED
     """Of `STATED`, what it tells; the rest of the reading is a guess."""
-    roles_stated: bool = True
-    """Whether the file tells which tracker is which."""
     extra: tuple[Extra, ...] = ()
     """Trackers besides the three, with the same reading."""
     doubts: tuple[str, ...] = ()

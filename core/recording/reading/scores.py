@@ -84,14 +84,9 @@ class Span:
     """Distances of hands from the head, `(K,)`; empty without hands."""
 
 
-def worlds(thorough: bool) -> list[tuple[str, str]]:
-    """Axes of the world and of devices to try: the same for both, or devices as cameras; all of them if thorough."""
-    pairs = [(axes, "") for axes in EVERY]
-    pairs += [(axes, _CAMERA) for axes in EVERY if axes[2] in "UD"]
-    if thorough:
-        proper = [axes for axes in EVERY if np.linalg.det(_matrix(axes)) > 0]
-        pairs += [(axes, devices) for axes in COMMON for devices in proper if devices not in (axes, _CAMERA)]
-    return pairs
+def worlds() -> list[tuple[str, str]]:
+    """Axes of the world and of devices to try: the same for both, or devices as cameras."""
+    return [(axes, "") for axes in EVERY] + [(axes, _CAMERA) for axes in EVERY if axes[2] in "UD"]
 
 
 def see(figures: Figures, span: Span, reading: Reading) -> Seen:

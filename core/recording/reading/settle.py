@@ -32,8 +32,7 @@ _BELIEF = {"axes": 6.0, "rotation": 5.0, "unit": 2.0, "sides": 4.0, "hands": 4.0
 _FLOOR = (0.9, 2.2)
 """Metres between which a headset is over a floor; one that is told from where it starts is near 0."""
 _MOST_RADIANS = 7.0
-_BETTER = 0.0
-"""Points of the movement alone by which another reading of rotations is worth a doubt."""
+"""Angles that are all smaller than this are radians."""
 _START = 0.5
 """Metres within which a headset stays that is told from where it starts."""
 _SAME = 2.0
@@ -198,7 +197,7 @@ class _Search:
             yield self.stated.axes, self.stated.devices
             return
         up = "XYZ".find(self.answers.up) if self.answers.up else -1
-        for axes, devices in worlds(False):
+        for axes, devices in worlds():
             if up < 0 or axes[up] in "UD":
                 yield axes, devices
         if (self.stated.devices, "axes" in settled) != ("", False):
@@ -316,7 +315,7 @@ def _moving_better(ranked: list[Candidate], search: _Search) -> tuple[str, ...]:
     if "D" in best.reading.axes and "axes" not in settled:
         return (f"axes are read as {best.reading.axes}, which no known program writes: check them",)
     other = max((c for c in ranked if c.reading.axes == best.reading.axes), key=moving)
-    if other.reading.rotation == best.reading.rotation or moving(other) < moving(best) + _BETTER:
+    if other.reading.rotation == best.reading.rotation or moving(other) < moving(best):
         return ()
     return (
         f"rotations are read as {best.reading.rotation}, though the movement fits {other.reading.rotation} better: "
