@@ -92,7 +92,7 @@ class Target:
         prove(armature, scene, result, start)
         self.motion, self.frames = result.motion, (start, start + max(len(result.tracks.rotations), 1) - 1)
 
-    def save(self, output: str, exports: Sequence[str], outputs: Transaction) -> None:
+    def save(self, paths: Sequence[str], outputs: Transaction) -> None:
         """Write the .blend and every export.
 
         Raises:
@@ -104,12 +104,15 @@ class Target:
         kept = scene.frame_start, scene.frame_end
         # exports are of the bake, whatever part of it the scene's range is
         scene.frame_start, scene.frame_end = self.frames
-        for path in exports:
-            with outputs.staging(path) as new, writing(path):
-                kind_of(path).write(baked, new)
+        blends = [path for path in paths if Path(path).suffix.lower() == ".blend"]
+        for path in paths:
+            if path not in blends:
+                with outputs.staging(path) as new, writing(path):
+                    kind_of(path).write(baked, new)
         scene.frame_start, scene.frame_end = kept
-        with outputs.staging(output) as new, writing(output):
-            _save_copy(new, Path(output).resolve().parent)
+        for path in blends:
+            with outputs.staging(path) as new, writing(path):
+                _save_copy(new, Path(path).resolve().parent)
 
 
 def open_target(

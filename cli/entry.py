@@ -37,7 +37,7 @@ def _run(options: argparse.Namespace) -> int:
     outputs: Transaction | None = None
     report: Report = {}
     try:
-        with ended_by_sigterm(), open_outputs(options) as outputs:
+        with ended_by_sigterm(), _prepared(options) as outputs:
             with quiet_stdout(options.json == STDOUT), _bone_maps(options):
                 report = options.chosen.run(options, outputs)
             if options.json is not None:
@@ -56,6 +56,12 @@ def _run(options: argparse.Namespace) -> int:
         if outputs is None or not outputs.committed:
             return _cancelled(options)
     return LIMIT if report.get("failed") else DONE
+
+
+def _prepared(options: argparse.Namespace) -> Transaction:
+    """The verb's transaction, once its options are complete."""
+    options.chosen.prepare(options)
+    return open_outputs(options)
 
 
 def _bone_maps(options: argparse.Namespace) -> AbstractContextManager[None]:

@@ -29,26 +29,27 @@ class InputPath(str):
 class OutputPath(str):
     """The `type` of arguments that name a file to write, or "-"."""
 
-    suffix = ""
+    suffixes: tuple[str, ...] = ()
     beside: tuple[str, ...] = ()
 
     @staticmethod
-    def to(suffix: str, *beside: str) -> Callable[[str], OutputPath]:
-        """For files that can only be of one kind; `beside` are the endings that files written next to it add."""
+    def to(suffix: str, *beside: str, others: tuple[str, ...] = ()) -> Callable[[str], OutputPath]:
+        """For files that can only be of one kind, or of `others`; `beside` are endings that files next to it add."""
 
         def make(text: str) -> OutputPath:
             path = OutputPath(text)
-            path.suffix, path.beside = suffix, beside
+            path.suffixes, path.beside = (suffix, *others), beside
             return path
 
         return make
 
     def files(self) -> list[str]:
         """What is written; InputError where its kind is wrong."""
-        if self == STDOUT and not self.suffix:
+        if self == STDOUT and not self.suffixes:
             return []
-        if self.suffix and Path(self).suffix.lower() != self.suffix:
-            raise InputError(f"{self}: cannot write this kind of file; let its name end in {self.suffix}")
+        if self.suffixes and Path(self).suffix.lower() not in self.suffixes:
+            kinds = " or ".join(self.suffixes)
+            raise InputError(f"{self}: cannot write this kind of file; let its name end in {kinds}")
         return [str(self), *(f"{self}{ending}" for ending in self.beside)]
 
 
@@ -73,24 +74,39 @@ class OutputFolder(str):
         return [str(Path(self) / name) for name in self.certain]
 
 
-def add_database(parser: argparse.ArgumentParser) -> None:
+def add_database(parser: argparse.ArgumentParser, *, required: bool = True) -> None:
     """The option for one or more databases."""
     parser.add_argument(
         "--database",
         type=InputPath,
         action="append",
-        required=True,
+        default=[],
+        required=required,
         metavar="DB.npz",
         help="a motion database; may be repeated",
     )
 
 
-def add_output(parser: argparse.ArgumentParser, metavar: str, help: str, *beside: str) -> None:
-    """The option for the one file that a verb must write; the end of `metavar` is its kind.
+def add_bone_map(parser: argparse.ArgumentParser) -> None:
+    """The option for bone maps that count before all others."""
+    parser.add_argument(
+        "--bone-map",
+        type=InputPath,
+        action="append",
+        default=[],
+        metavar="MAP.json",
+        help="names of joints or bones, as docs/takes.md says; counts before all others; may be repeated",
+    )
+
+
+def add_output(
+    parser: argparse.ArgumentParser, metavar: str, help: str, *beside: str, others: tuple[str, ...] = ()
+) -> None:
+    """The option for the one file that a verb must write; the end of `metavar` is its kind, or it is one of `others`.
 
     `beside` are the endings that the names of files written next to it add to its own.
     """
-    kind = OutputPath.to(Path(metavar).suffix, *beside)
+    kind = OutputPath.to(Path(metavar).suffix, *beside, others=others)
     parser.add_argument("-o", "--output", type=kind, required=True, metavar=metavar, help=help)
 
 

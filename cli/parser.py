@@ -9,7 +9,7 @@ from .bake import BAKE
 from .compare import COMPARE_REPORTS
 from .database import BUILD_DATABASE, DATABASE_INFO
 from .evaluate import EVALUATE
-from .options import InputPath, OutputPath
+from .options import OutputPath, add_bone_map
 from .predictor import EVALUATE_PREDICTOR, TRAIN_PREDICTOR
 from .takes import INSPECT, SIMULATE_RECORDING
 from .verb import Verb
@@ -52,14 +52,7 @@ class VerbParser(argparse.ArgumentParser):
             help="write a machine-readable report, - for standard output",
         )
         if self._verb.maps_bones:
-            self.add_argument(
-                "--bone-map",
-                type=InputPath,
-                action="append",
-                default=[],
-                metavar="MAP.json",
-                help="names of joints or bones, as docs/takes.md says; counts before all others; may be repeated",
-            )
+            add_bone_map(self)
         self._verb.add_arguments(self)
         self._verb = None
 

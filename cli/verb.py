@@ -24,6 +24,8 @@ class Verb:
     run: Callable[[argparse.Namespace, Transaction], Report]
     """Does the job and puts all its outputs into the transaction; a report with something under "failed" ends with exit
     code 3."""
+    prepare: Callable[[argparse.Namespace], None] = lambda options: None
+    """Completes the options from files that they name, before anything is looked at; InputError where that fails."""
     maps_bones: bool = False
     """Whether it reads takes or rigs, whose names may need a bone map."""
     when_cancelled: Callable[[argparse.Namespace], str] = lambda options: ""

@@ -233,6 +233,7 @@ def test_help_names_every_control(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_defaults_of_the_flags_are_those_of_the_settings() -> None:
     options = make_parser().parse_args(["bake", "r.csv", "--database", "d.npz", "-o", "o.blend"])
+    options.chosen.prepare(options)
     assert (
         BakeSettings(**{item.name: getattr(options, item.name) for item in fields(BakeSettings)})
         == BakeSettings()

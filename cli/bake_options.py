@@ -1,0 +1,212 @@
+"""The options of a bake, wherever they are said: on the command line, in a row of a table, or in an earlier report.
+
+What was said is a mapping of names to values that holds nothing else, so that one such mapping can be laid over
+another: a row over the command line, both over a report.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import fields
+from pathlib import Path
+from typing import Any, NoReturn
+
+from ..core.errors import FaultError, InputError
+from ..core.settings import BakeSettings
+from .answers import add_answers
+from .options import InputPath, add_bone_map, add_database, add_settings
+
+Said = Mapping[str, Any]
+
+FALSE, TRUE = ("false", "no", "off", "0"), ("true", "yes", "on", "1")
+
+
+def add_bake_options(parser: argparse.ArgumentParser) -> None:
+    """Add all options but what is read first and what is written; `--bone-map` comes with the verb."""
+    parser.add_argument(
+        "--rig",
+        type=InputPath,
+        metavar="FILE[:OBJECT]",
+        help=".blend, .fbx, .glb or .vrm; default: the database's skeleton",
+    )
+    parser.add_argument(
+        "--ground",
+        type=InputPath,
+        metavar="FILE.blend[:NAME]",
+        help="what the feet stand on: an object or collection of a .blend, or all of it; comes into the output, too",
+    )
+    add_answers(parser)
+    parser.add_argument(
+        "--fps", type=float, metavar="N", help="frame rate of the scene (default: the database's)"
+    )
+    _add_part(parser)
+    add_database(parser, required=False)
+    parser.add_argument(
+        "--predictor", type=InputPath, metavar="P.npz", help='body-orientation weights, or "headset" for none'
+    )
+    parser.add_argument(
+        "--fit-range",
+        action=argparse.BooleanOptionalAction,
+        help="make the scene's range that of the bake (default: unless the rig is in a .blend, which keeps its range "
+        "and gets the bake from the range's first frame on)",
+    )
+    parser.add_argument(
+        "--fail-if",
+        action="append",
+        default=[],
+        metavar="CONDITION",
+        help='end with code 3 where a metric is so, as in "foot_skate_cm_s.mean > 2"; may be repeated',
+    )
+    parser.add_argument(
+        "--settings",
+        type=InputPath,
+        metavar="REPORT.json",
+        help="a report of an earlier bake, to be repeated: all that is not given is as it was there",
+    )
+    add_settings(parser, BakeSettings)
+
+
+def _add_part(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--from",
+        dest="start",
+        type=float,
+        metavar="S",
+        help="second of the recording to start at (default: its start)",
+    )
+    parser.add_argument(
+        "--to",
+        dest="stop",
+        type=float,
+        metavar="S",
+        help="second of the recording to stop at (default: its end)",
+    )
+
+
+class BakeParser(argparse.ArgumentParser):
+    """The parser of a bake's options outside of a command line: a fault is a FaultError."""
+
+    def __init__(self) -> None:
+        super().__init__(add_help=False, allow_abbrev=False)
+        add_bone_map(self)
+        add_bake_options(self)
+
+    def error(self, message: str) -> NoReturn:
+        """What argparse objects to."""
+        raise FaultError(message)
+
+    def actions(self) -> dict[str, argparse.Action]:
+        """Each argument by what a table may call it: its flags without dashes, or where it is kept."""
+        found: dict[str, argparse.Action] = {}
+        for action in self._actions:
+            for name in (action.dest, *action.option_strings):
+                found[_plain(name)] = action
+        return found
+
+
+def only_said(parser: argparse.ArgumentParser) -> None:
+    """Have a parser leave out of its result whatever option is not said."""
+    for action in parser._actions:
+        if action.option_strings:
+            action.default = argparse.SUPPRESS
+
+
+def read_said(values: Mapping[str, Any]) -> dict[str, Any]:
+    """What a row of a table, or a report, says of a bake.
+
+    Args:
+        values: by name of the flag, with or without dashes; texts, numbers, truth values or lists of texts; what is
+            empty says nothing.
+
+    Raises:
+        FaultError: an option that there is not, or a value that it cannot have.
+    """
+    parser = BakeParser()
+    only_said(parser)
+    actions = parser.actions()
+    words: list[str] = []
+    for name, value in values.items():
+        action = actions.get(_plain(name))
+        if action is None:
+            raise FaultError(f"there is no option {name!r}")
+        if value is not None and value != "":
+            words += _words(action, name, value)
+    return vars(parser.parse_args(words))
+
+
+def completed(options: argparse.Namespace, *layers: Said) -> None:
+    """Fill in a bake's options: earlier layers count before later ones, and all of them before the defaults.
+
+    Args:
+        options: what was said first; is changed.
+        layers: what else was said.
+    """
+    for layer in (*layers, bake_defaults()):
+        for name, value in layer.items():
+            if not hasattr(options, name):
+                setattr(options, name, value)
+
+
+def bake_defaults() -> dict[str, Any]:
+    """Every option of a bake where nothing is said."""
+    return {action.dest: action.default for action in BakeParser()._actions}
+
+
+def part_of(options: argparse.Namespace) -> tuple[float, float] | None:
+    """The seconds to bake; None for the whole recording."""
+    if options.start is None and options.stop is None:
+        return None
+    return options.start or 0.0, math.inf if options.stop is None else options.stop
+
+
+def setting_names() -> frozenset[str]:
+    """The options that are settings of the bake."""
+    return frozenset(item.name for item in fields(BakeSettings))
+
+
+def check_complete(options: argparse.Namespace) -> None:
+    """Raise InputError where it is not said what to bake, or from what."""
+    if not options.recording:
+        raise InputError("no recording: give RECORDING, or --settings of a report that names one")
+    if not options.database:
+        raise InputError(
+            "no motion database: give --database DB.npz, or --settings of a report that names one"
+        )
+
+
+def paths_from(said: Said, folder: Path) -> dict[str, Any]:
+    """What a table says, with its files looked for from the table's own folder."""
+
+    def found(value: Any) -> Any:
+        if isinstance(value, list):
+            return [found(item) for item in value]
+        if isinstance(value, InputPath) and value != "headset":
+            return InputPath(folder / value)
+        return value
+
+    return {name: found(value) for name, value in said.items()}
+
+
+def _plain(name: str) -> str:
+    return name.strip().lstrip("-").replace("_", "-")
+
+
+def _words(action: argparse.Action, name: str, value: Any) -> list[str]:
+    """A value as it would stand on a command line."""
+    flag = action.option_strings[0]
+    if action.nargs == 0:
+        said = str(value).strip().lower()
+        if said not in (*TRUE, *FALSE):
+            raise FaultError(f"{name}: {value!r} is neither true nor false")
+        off = next((other for other in action.option_strings if other.startswith("--no-")), None)
+        return [flag] if said in TRUE else [off] if off else []
+    if action.nargs is not None:  # none of a bake's options has more than one value
+        raise FaultError(f"{name}: cannot be said here")
+    several: Sequence[Any] = [value]
+    if isinstance(action, argparse._AppendAction):
+        several = value if isinstance(value, list) else str(value).split(";")
+    if any(isinstance(item, (dict, list, bool)) for item in several):
+        raise FaultError(f"{name}: {value!r} is no value of it")
+    return [f"{flag}={str(item).strip()}" for item in several]
