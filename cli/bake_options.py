@@ -7,6 +7,7 @@ another: a row over the command line, both over a report.
 from __future__ import annotations
 
 import argparse
+import functools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
@@ -123,9 +124,7 @@ def read_said(values: Mapping[str, Any]) -> dict[str, Any]:
     Raises:
         FaultError: an option that there is not, or a value that it cannot have.
     """
-    parser = BakeParser()
-    only_said(parser)
-    actions = parser.actions()
+    parser, actions = _said_parser()
     words: list[str] = []
     for name, value in values.items():
         action = actions.get(_plain(name))
@@ -146,12 +145,20 @@ def completed(options: argparse.Namespace, *layers: Said) -> None:
     for layer in (*layers, bake_defaults()):
         for name, value in layer.items():
             if not hasattr(options, name):
-                setattr(options, name, value)
+                setattr(options, name, list(value) if isinstance(value, list) else value)
 
 
-def bake_defaults() -> dict[str, Any]:
+@functools.cache
+def bake_defaults() -> Said:
     """Every option of a bake where nothing is said."""
     return {action.dest: action.default for action in BakeParser()._actions}
+
+
+@functools.cache
+def _said_parser() -> tuple[BakeParser, dict[str, argparse.Action]]:
+    parser = BakeParser()
+    only_said(parser)
+    return parser, parser.actions()
 
 
 def part_of(options: argparse.Namespace) -> tuple[float, float] | None:

@@ -121,3 +121,15 @@ def choose_predictor(name: str | None) -> Callable[[Any], Any]:
         return headset_forward
     predictor = load_predictor(name) if name else shipped_predictor()
     return lambda recording: predict(predictor, recording)
+
+
+def with_bone_maps(options: argparse.Namespace) -> contextlib.AbstractContextManager[None]:
+    """The time in which the bone maps on the command line count; InputError for one that cannot be used."""
+    maps: list[str] = getattr(options, "bone_map", [])
+    if not maps:
+        return contextlib.nullcontext()
+    from ..core.mocap.families import KIND, read_family
+    from ..core.presets import given_presets
+
+    each(maps, read_family)
+    return given_presets(KIND, maps)

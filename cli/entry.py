@@ -3,27 +3,30 @@
 from __future__ import annotations
 
 import argparse
+import sys
 import traceback
 from collections.abc import Sequence
-from contextlib import AbstractContextManager, nullcontext
 
 from ..core.errors import InputError
 from ..core.transaction import Transaction
-from .common import each, report_text, tell
+from .common import report_text, tell, with_bone_maps
 from .options import STDOUT, open_outputs
 from .parser import make_parser
 from .streams import ended_by_sigterm, forgiving_streams, quiet_stdout, send
 from .verb import Report
+from .work import WORKER, serve
 
-DONE, BUG, BAD_INPUT, LIMIT = 0, 1, 2, 3
+DONE, BUG, BAD_INPUT, LIMIT, UNFINISHED = 0, 1, 2, 3, 4
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one verb and return its exit code; nothing but the code says that it failed to a caller in Blender.
 
-    Exit codes: 0 done, 1 our bug, 2 bad usage, bad input or cancelled, 3 a limit of --fail-if is passed. With 1 and 2
-    all files are as they were.
+    Exit codes: 0 done, 1 our bug, 2 bad usage, bad input or cancelled, 3 a limit of --fail-if is passed, 4 some
+    recordings of a batch failed. With 1 and 2 all files are as they were, but for what a batch had done before.
     """
+    if (sys.argv[1:] if argv is None else list(argv)) == [WORKER]:
+        return serve()
     with forgiving_streams():
         parser = make_parser()
         try:
@@ -38,7 +41,7 @@ def _run(options: argparse.Namespace) -> int:
     report: Report = {}
     try:
         with ended_by_sigterm(), _prepared(options) as outputs:
-            with quiet_stdout(options.json == STDOUT), _bone_maps(options):
+            with quiet_stdout(options.json == STDOUT), with_bone_maps(options):
                 report = options.chosen.run(options, outputs)
             if options.json is not None:
                 _put(report, options.json, outputs)
@@ -55,6 +58,8 @@ def _run(options: argparse.Namespace) -> int:
         # it came too late where all is written
         if outputs is None or not outputs.committed:
             return _cancelled(options)
+    if report.get("unfinished"):
+        return UNFINISHED
     return LIMIT if report.get("failed") else DONE
 
 
@@ -62,18 +67,6 @@ def _prepared(options: argparse.Namespace) -> Transaction:
     """The verb's transaction, once its options are complete."""
     options.chosen.prepare(options)
     return open_outputs(options)
-
-
-def _bone_maps(options: argparse.Namespace) -> AbstractContextManager[None]:
-    """The time in which the bone maps on the command line count; InputError for one that cannot be used."""
-    maps: list[str] = getattr(options, "bone_map", [])
-    if not maps:
-        return nullcontext()
-    from ..core.mocap.families import KIND, read_family
-    from ..core.presets import given_presets
-
-    each(maps, read_family)
-    return given_presets(KIND, maps)
 
 
 def _put(report: Report, target: str, outputs: Transaction) -> None:

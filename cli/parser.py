@@ -6,6 +6,7 @@ import argparse
 from typing import Any
 
 from .bake import BAKE
+from .batch import BATCH
 from .compare import COMPARE_REPORTS
 from .database import BUILD_DATABASE, DATABASE_INFO
 from .evaluate import EVALUATE
@@ -22,6 +23,7 @@ VERBS = (
     EVALUATE_PREDICTOR,
     SIMULATE_RECORDING,
     BAKE,
+    BATCH,
     EVALUATE,
     COMPARE_REPORTS,
 )
@@ -63,7 +65,7 @@ def make_parser() -> argparse.ArgumentParser:
         prog="footwork",
         description="Full-body animation from a VR headset and two hand controllers.",
         epilog="footwork VERB --help tells what a verb can do. Exit codes: 0 done, 2 bad usage, bad input or cancelled "
-        "(nothing written), 3 a limit of --fail-if is passed, 1 a bug of ours.",
+        "(nothing written), 3 a limit of --fail-if is passed, 4 some recordings of a batch failed, 1 a bug of ours.",
     )
     verbs = parser.add_subparsers(dest="verb", metavar="VERB", required=True, parser_class=VerbParser)
     for verb in VERBS:

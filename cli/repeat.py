@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import functools
 from collections.abc import Mapping
 from typing import Any
 
@@ -25,10 +26,16 @@ def complete_bake(options: argparse.Namespace, *layers: Said) -> None:
     """
     completed_from = {name: value for layer in reversed(layers) for name, value in layer.items()}
     path = getattr(options, "settings", completed_from.get("settings"))
-    earlier = said_by(path, read_earlier(path)) if path else {}
+    earlier = _said_by_file(path) if path else {}
     completed(options, *layers, earlier)
     if not getattr(options, "recording", None):
         options.recording = earlier.get("recording")
+
+
+@functools.lru_cache(16)
+def _said_by_file(path: str) -> dict[str, Any]:
+    """What a report says; the rows of a batch may have it in common."""
+    return said_by(path, read_earlier(path))
 
 
 def read_earlier(path: str) -> Report:

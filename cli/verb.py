@@ -23,7 +23,7 @@ class Verb:
     """Adds its arguments; `--json` comes by itself."""
     run: Callable[[argparse.Namespace, Transaction], Report]
     """Does the job and puts all its outputs into the transaction; a report with something under "failed" ends with exit
-    code 3."""
+    code 3, with something under "unfinished" with 4."""
     prepare: Callable[[argparse.Namespace], None] = lambda options: None
     """Completes the options from files that they name, before anything is looked at; InputError where that fails."""
     maps_bones: bool = False

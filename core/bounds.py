@@ -57,6 +57,8 @@ JSON_BYTES = 16_000_000
 PRESET_BYTES = 1_000_000
 RECORDING_BYTES = 1_000_000_000
 REPORT_BYTES = 256_000_000
+TABLE_BYTES = 1_000_000_000
+"""The jobs of a batch: millions of rows."""
 JSON_DEPTH = 64
 JSON_DIGITS = 300
 """Longer numbers are none of a measurement."""

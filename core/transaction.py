@@ -119,6 +119,10 @@ class Transaction:
         with self.staging(path) as new, new.open("xb") as file:
             writer(file)
 
+    def sizes(self) -> dict[str, int]:
+        """Bytes of each new file so far, by what its target was called."""
+        return {name: new.stat().st_size for new, name in self._files.values()}
+
     def afterwards(self, call: Callable[[], object]) -> None:
         """Have a function called once all files are in place."""
         self._afterwards.append(call)

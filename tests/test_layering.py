@@ -39,6 +39,10 @@ ARROWS: dict[str, set[str]] = {
         *("core.pipeline", "core.measure", "core.matching", "core.database", "core.rig"),
         *("core.recording", "core.mocap", "core.body", "core.maths"),
     },
+    "core.batch": {
+        *("core.evaluation", "core.pipeline", "core.measure", "core.matching", "core.database", "core.rig"),
+        *("core.recording", "core.mocap", "core.body", "core.maths"),
+    },
     "nn": {"core"},
     "nn.train": {"nn", "core"},
     "bridge": {"core"},

@@ -10,7 +10,7 @@ from typing import Any
 from ..measure.catalogue import METRICS
 from ..measure.metric import STATISTICS
 
-_STYLE = """
+STYLE = """
 body { font: 15px/1.5 system-ui, sans-serif; color: #222; background: #fff; max-width: 72rem; margin: 2rem auto;
   padding: 0 1rem; }
 h1 { font-size: 1.6rem; } h2 { margin-top: 2.5rem; border-bottom: 2px solid #ddd; } h3 { margin-top: 1.8rem; }
@@ -60,7 +60,7 @@ def page(
         ),
         _table(["setting", "value"], [[key, str(value)] for key, value in report["settings"].items()]),
     ]
-    head = f'<meta charset="utf-8"><title>Footwork evaluation</title><style>{_STYLE}</style>'
+    head = f'<meta charset="utf-8"><title>Footwork evaluation</title><style>{STYLE}</style>'
     return (
         f'<!doctype html>\n<html lang="en"><head>{head}</head>\n<body>\n'
         + "\n".join(parts)

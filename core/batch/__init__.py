@@ -1,0 +1,1 @@
+"""Many bakes: which recordings, how long they take, and how they came out."""
