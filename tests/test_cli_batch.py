@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import os
 import shutil
@@ -107,6 +108,14 @@ def test_rows_say_options_of_their_own(
         assert said in capsys.readouterr().err
     assert batch(made, made / "r", made / "r" / "out") == 2
     assert not (tmp_path / "none").exists()
+
+
+@pytest.mark.skipif(importlib.util.find_spec("bpy") is None, reason="bpy is not installed as a module")
+def test_every_kind_of_file_is_written(tmp_path: Path, made: Path) -> None:
+    kinds = [word for kind in ("blend", "fbx", "glb", "bvh") for word in ("--write", kind)]
+    assert batch(made, made / "r" / "s*" / "*.csv", tmp_path / "out", "--workers", "1", *kinds) == 0
+    written = {Path(name).suffix for name in files(tmp_path / "out") if Path(name).stem == "c"}
+    assert written == {".blend", ".fbx", ".glb", ".bvh", ".npz", ".json"}
 
 
 def test_a_recording_that_takes_too_long_has_failed(tmp_path: Path, made: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import subprocess
 import sys
+import tomllib
 from collections.abc import Iterator
 from graphlib import TopologicalSorter
 from pathlib import Path
@@ -157,6 +158,12 @@ def test_every_part_is_drawn() -> None:
     """A new package, or a new module of core's own level, has to be put into ARROWS."""
     parts = {part_of(module) for module in MODULES} - {"core"}
     assert parts <= set(ARROWS) | {f"core.{base}" for base in BASE}
+
+
+def test_every_package_is_installed() -> None:
+    listed = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["packages"]
+    packages = {module for module in MODULES if (ROOT / Path(*module.split(".")) / "__init__.py").is_file()}
+    assert set(listed) == {"footwork", *(f"footwork.{package}" for package in packages)}
 
 
 def test_no_modules_import_each_other_in_a_circle() -> None:
