@@ -7,6 +7,7 @@ Names are taken apart into words, so that `hmd_pos_x`, `CenterEye_PosX`, `head.p
 from __future__ import annotations
 
 import re
+import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -226,7 +227,9 @@ class Understood:
 
 
 def words_of(name: str) -> list[str]:
-    """The words of a name, lower case: at capitals, separators and brackets."""
+    """The words of a name, lower case and without accents: at capitals, separators and brackets."""
+    if not name.isascii():
+        name = "".join(c for c in unicodedata.normalize("NFKD", name) if not unicodedata.combining(c))
     spaced = re.sub(r"([a-z0-9])([A-Z])", r"\1 \2", name)
     spaced = re.sub(r"([A-Z]{2,})([A-Z][a-z])", r"\1 \2", spaced)
     return [word for word in re.split(r"[^0-9a-zA-Z]+", spaced.lower()) if word]
