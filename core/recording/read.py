@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -129,12 +130,15 @@ def _finish(raw: RawRecording, repaired: Repaired, given: float | None, file: st
         "mounts": "typical of real devices" if raw.mounts is DEVICE_MOUNTS else "stated in the file",
         "tracked": ", ".join(f"{name} {share:.1%}" for name, share in zip(TRACKERS, shares, strict=True)),
     }
+    lift = np.array([0.0, 0.0, calibration.lift])
+    if repaired.extra:
+        found["other trackers"] = ", ".join(item.name for item in repaired.extra)
     if repaired.repairs:
         found["repaired"] = "; ".join(repaired.repairs)
     return Recording(
         name=raw.name or Path(file).stem,
         times=samples.times,
-        positions=samples.positions + np.array([0.0, 0.0, calibration.lift]),
+        positions=samples.positions + lift,
         rotations=samples.rotations,
         valid=samples.valid,
         mounts=raw.mounts,
@@ -144,4 +148,5 @@ def _finish(raw: RawRecording, repaired: Repaired, given: float | None, file: st
         found=found,
         doubts=(*raw.doubts, *in_words(happenings, float(length)), *calibration.doubts),
         happenings=happenings,
+        extra=tuple(replace(item, positions=item.positions + lift) for item in repaired.extra),
     )

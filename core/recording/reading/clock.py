@@ -191,7 +191,7 @@ def _with_fractions(sheet: Sheet, found: Understood, values: Array) -> Array | N
         most = float(np.nanmax(part))
         if dated or np.nanmin(part) < 0.0 or most < 1.0:
             continue
-        size = next((size for size in (1e3, 1e6, 1e9) if most < size), 0.0)
+        size = next((size for size in (1e3, 1e6, 1e9) if most <= size), 0.0)
         if size and np.mean(np.diff(values + part / size) > 0.0) > _RISING:
             return values + part / size
     return None

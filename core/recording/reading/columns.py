@@ -13,8 +13,8 @@ from ..raw import STATED, Extra, RawRecording, Reading, Track
 from ..recording import TRACKERS, Array
 from ..table import columns_of, decode, read_columns
 from .clock import Sheet, clock_of, number, own_times
-from .dress import COMMENT, header_line
-from .meaning import Columns, Understood, understand, whose, words_of
+from .dress import COMMENT, header_line, is_json
+from .meaning import HANDS, Columns, Understood, understand, whose, words_of
 from .rotations import KINDS, WIDTHS
 
 _HEADER_BYTES = 16384
@@ -27,7 +27,7 @@ _BARE = ("px", "py", "pz", "q_0", "q_1", "q_2", "q_3")
 def recognise(content: bytes) -> bool:
     """Whether a file is a table with the headset's pose in columns that tell so."""
     head = content[:_HEADER_BYTES].removeprefix(b"\xef\xbb\xbf")
-    if head.lstrip()[:1] in (b"{", b"[") or b"\0" in head:
+    if is_json(head) or b"\0" in head:
         return False
     lines = head.decode("utf-8", "replace").splitlines()
     if not lines:
@@ -119,7 +119,7 @@ def to_raw(sheet: Sheet, found: Understood, file: str, name: str) -> RawRecordin
         found={"format": name, **({"times": clock.told} if clock.told else {})},
         reading=Reading(axes="RUF", metres=found.metres or 1.0, rotation=rotation),
         stated=frozenset(stated) & STATED,
-        extra=tuple(Extra(t, track) for t, track in same.items() if t not in TRACKERS),
+        extra=tuple(Extra(t, track) for t, track in same.items() if t and t not in TRACKERS),
         counted=clock.counted,
         doubts=tuple(
             f"there are several poses of {tracker}: the one in {sheet.names[kinds[tracker].place[0]]!r} is read"
@@ -142,13 +142,28 @@ def _groups(sheet: Sheet, found: Understood) -> list[tuple[str, Columns, NDArray
     every = np.arange(len(sheet.values))
     if "head" in found.trackers:
         return [(tracker, pose, every) for tracker, pose in found.trackers.items() if tracker]
-    devices = np.array(sheet.texts[found.device])
-    groups: list[tuple[str, Columns, NDArray[np.intp]]] = []
-    for device in dict.fromkeys(devices.tolist()):
-        tracker = whose(words_of(device))[0]
-        if tracker:
-            groups.append((tracker, found.trackers[""], np.flatnonzero(devices == device)))
-    return groups
+    texts = list(zip(*(sheet.texts[column] for column in found.labels or [found.device]), strict=True))
+    rows: dict[tuple[str, ...], list[int]] = {}
+    for row, label in enumerate(texts):
+        rows.setdefault(label, []).append(row)
+    named = _named(list(rows))
+    return [
+        (tracker, found.trackers[""], np.array(rows[label])) for label, tracker in named.items() if tracker
+    ]
+
+
+def _named(labels: Sequence[tuple[str, ...]]) -> dict[tuple[str, ...], str]:
+    """The trackers that rows' labels name; by elimination where one is missing."""
+    named = {label: whose(words_of(" ".join(label)))[0] for label in labels}
+    left = [label for label, tracker in named.items() if not tracker]
+    hands = [label for label in left if HANDS & set(words_of(" ".join(label)))]
+    if len(hands) == 2 and not {"left", "right"} & set(named.values()):
+        # which is which the movement has to tell
+        named |= dict(zip(hands, ("left", "right"), strict=True))
+    left = [label for label in left if label not in hands]
+    if len(left) == 1 and "head" not in named.values():
+        named[left[0]] = "head"
+    return named
 
 
 def _bare_names(cells: Sequence[str]) -> list[str]:

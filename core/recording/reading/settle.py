@@ -245,6 +245,10 @@ def _timed(raw: RawRecording, file: str, answers: Answers) -> RawRecording:
         raw,
         counted=False,
         tracks=tuple(replace(track, times=track.times / answers.rate) for track in raw.tracks),
+        extra=tuple(
+            replace(item, track=replace(item.track, times=item.track.times / answers.rate))
+            for item in raw.extra
+        ),
     )
 
 
