@@ -150,13 +150,13 @@ def _from_first(values: Array) -> Array:
 
 def _unit(values: Array, file: str) -> float:
     """Seconds in the unit of times that do not say it."""
-    unit = _fitting(values)
+    unit = fitting(values)
     if unit:
         return unit
     raise InputError(f"{file}: its times tell no unit; call their column time_s, time_ms, time_us or time_ns")
 
 
-def _fitting(values: Array) -> float:
+def fitting(values: Array) -> float:
     """The unit in which times are those of a recorder; 0 for none."""
     steps: Any = np.diff(values)
     steps = steps[steps > 0.0]
@@ -208,7 +208,7 @@ def _risen(sheet: Sheet, found: Understood) -> Clock | None:
         named = next(
             (SECONDS[word] for word in reversed(words_of(sheet.names[column])) if word in SECONDS), 0.0
         )
-        unit = 1.0 if dated else named or _fitting(values)
+        unit = 1.0 if dated else named or fitting(values)
         if unit:
             told = f"column {sheet.names[column]!r}, which rises steadily"
             share = float(np.mean(steps > 0.0)) + (1.0 if named or dated else 0.0)

@@ -146,24 +146,24 @@ def _groups(sheet: Sheet, found: Understood) -> list[tuple[str, Columns, NDArray
     rows: dict[tuple[str, ...], list[int]] = {}
     for row, label in enumerate(texts):
         rows.setdefault(label, []).append(row)
-    named = _named(list(rows))
+    trackers = named(list(rows))
     return [
-        (tracker, found.trackers[""], np.array(rows[label])) for label, tracker in named.items() if tracker
+        (tracker, found.trackers[""], np.array(rows[label])) for label, tracker in trackers.items() if tracker
     ]
 
 
-def _named(labels: Sequence[tuple[str, ...]]) -> dict[tuple[str, ...], str]:
+def named(labels: Sequence[tuple[str, ...]]) -> dict[tuple[str, ...], str]:
     """The trackers that rows' labels name; by elimination where one is missing."""
-    named = {label: whose(words_of(" ".join(label)))[0] for label in labels}
-    left = [label for label, tracker in named.items() if not tracker]
+    out = {label: whose(words_of(" ".join(label)))[0] for label in labels}
+    left = [label for label, tracker in out.items() if not tracker]
     hands = [label for label in left if HANDS & set(words_of(" ".join(label)))]
-    if len(hands) == 2 and not {"left", "right"} & set(named.values()):
+    if len(hands) == 2 and not {"left", "right"} & set(out.values()):
         # which is which the movement has to tell
-        named |= dict(zip(hands, ("left", "right"), strict=True))
+        out |= dict(zip(hands, ("left", "right"), strict=True))
     left = [label for label in left if label not in hands]
-    if len(left) == 1 and "head" not in named.values():
-        named[left[0]] = "head"
-    return named
+    if len(left) == 1 and "head" not in out.values():
+        out[left[0]] = "head"
+    return out
 
 
 def _bare_names(cells: Sequence[str]) -> list[str]:

@@ -656,3 +656,29 @@ def test_other_trackers_are_kept_up_to_our_own_table(tmp_path, walk) -> None:
     again = read_recording(tmp_path / "own.csv").extra[0]
     np.testing.assert_allclose(again.positions, waist.positions, atol=1e-5)
     assert again.name == "waist"
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        lambda s, a, name, pose: f"{s:.5f} {a} {name} {' '.join(pose)}",
+        lambda s, a, name, pose: f'[{s:.5f}] {a} ,sfffffff "{name}" {" ".join(pose)}',
+        lambda s, a, name, pose: (
+            f'{{"time": {s:.5f}, "address": "{a}", "args": ["{name}", {", ".join(pose)}]}}'
+        ),
+        lambda s, a, name, pose: f"/VMC/Ext/T {s:.5f}\n{a} {name} {' '.join(pose)}",
+    ],
+)
+def test_messages_of_vmc(tmp_path, walk, message) -> None:
+    who = (
+        ("/VMC/Ext/Hmd/Pos", "hmd"),
+        ("/VMC/Ext/Con/Pos", "LeftController"),
+        ("/VMC/Ext/Con/Pos", "RightController"),
+    )
+    lines = [
+        message(second, *who[i], [f"{value:.7f}" for value in pose])
+        for second, row in zip(walk.times, columns(walk, "RUF"), strict=True)
+        for i, pose in enumerate(row)
+    ]
+    found = read(tmp_path, "\n".join(lines))
+    assert is_walk(found, walk) and found.found["format"] == "VMC messages"
