@@ -682,3 +682,21 @@ def test_messages_of_vmc(tmp_path, walk, message) -> None:
     ]
     found = read(tmp_path, "\n".join(lines))
     assert is_walk(found, walk) and found.found["format"] == "VMC messages"
+
+
+def test_folders_with_a_table_a_device_and_trial(tmp_path, walk) -> None:
+    rows = columns(walk, "RUF")
+    half = len(walk) // 2
+    for trial, part in enumerate((slice(0, half), slice(half, None)), 1):
+        for i, name in enumerate(("hmd_movement", "left_hand_movement", "right_hand_movement")):
+            lines = ["time,pos_x,pos_y,pos_z,rot_x,rot_y,rot_z,rot_w"]
+            for second, pose in zip(walk.times[part], rows[part, i], strict=True):
+                lines.append(",".join(f"{value:.7f}" for value in (31.0 + second, *pose)))
+            file = tmp_path / "S001" / "trackers" / f"{name}_T{trial:03d}.csv"
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text("\n".join(lines))
+    (tmp_path / "S001" / "trial_results.csv").write_text("trial,score\n1,2\n")
+    assert is_walk(read_recording(tmp_path), walk)
+    (tmp_path / "none").mkdir()
+    with pytest.raises(InputError, match="no table of the headset"):
+        read_recording(tmp_path / "none")
