@@ -273,6 +273,19 @@ def named(long: bool) -> bytes:
     return "\n".join([";".join(["timestamp", *names]), *lines, ""]).encode()
 
 
+def messages() -> bytes:
+    """The tracked walk as messages of VMC."""
+    positions = TRACKED.positions[..., (0, 2, 1)]
+    rotations = TRACKED.rotations[..., (1, 3, 2, 0)] * (-1.0, -1.0, -1.0, 1.0)
+    names = ("Hmd/Pos hmd", "Con/Pos left", "Con/Pos right")
+    lines = [
+        f"{time:.4f} /VMC/Ext/{name} " + " ".join(f"{value:.6f}" for value in pose)
+        for time, row in zip(TRACKED.times, np.concatenate([positions, rotations], axis=-1), strict=True)
+        for name, pose in zip(names, row, strict=True)
+    ]
+    return "\n".join([*lines, ""]).encode()
+
+
 def objects() -> bytes:
     """The tracked walk as JSON of OpenXR's kind."""
 
@@ -372,6 +385,7 @@ def readers(folder: Path) -> list[Reader]:
         recording("aframe", ".json", aframe(), change_json),
         recording("table", ".csv", named(long=False), change_text),
         recording("long table", ".csv", named(long=True), change_text),
+        recording("messages", ".log", messages(), change_text),
         recording("objects", ".json", objects(), change_json),
         recording("bsor", ".bsor", replay(), change_replay),
         Reader("layout", ".json", LAYOUT, change_json, read_layout, carry_layout),

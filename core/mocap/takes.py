@@ -49,6 +49,8 @@ _SLIDE = 0.01
 
 def is_take(path: str | os.PathLike[str]) -> bool:
     """Whether a file is BVH, whatever its name; InputError where it cannot be read."""
+    if Path(path).is_dir():
+        return False
     try:
         with Path(path).open("rb") as stream:
             head = stream.read(_LOOKED_AT)

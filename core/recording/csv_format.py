@@ -13,9 +13,10 @@ from ..errors import InputError, one_line
 from ..maths import quat
 from ..transaction import Transaction, write_atomically
 from .mounts import DEVICE_MOUNTS
-from .raw import RawRecording, Track
+from .raw import Extra, RawRecording, Track
+from .reading.meaning import words_of
 from .recording import TRACKERS, Array, Mounts, Recording
-from .table import decode, read_columns
+from .table import columns_of, decode, read_columns
 
 _MAGIC = "# footwork-recording "
 _VERSION = 1
@@ -45,19 +46,49 @@ def write_csv(path: str | os.PathLike[str], recording: Recording, outputs: Trans
             )
         ),
         "# seconds; metres in Blender's world (Z up, floor at 0); device axes X right, Y forward, Z up",
-        ",".join(COLUMNS),
+        ",".join((*COLUMNS, *_columns_of(recording))),
     ]
     poses = [recording.positions, recording.rotations, recording.valid[..., None]]
     table = np.concatenate(
         [recording.times[:, None], np.concatenate(poses, axis=-1).reshape(len(recording), -1)], 1
     )
-    row = ["%.9f", *(["%.6f"] * 3 + ["%.8f"] * 4 + ["%d"]) * len(TRACKERS)]
+    others = [(item.positions, item.rotations, item.valid[:, None]) for item in recording.extra]
+    table = np.concatenate([table, *(part for parts in others for part in parts)], axis=1)
+    row = ["%.9f", *(["%.6f"] * 3 + ["%.8f"] * 4 + ["%d"]) * (len(TRACKERS) + len(others))]
 
     def write(file: BinaryIO) -> None:
         file.write(("\n".join(lines) + "\n").encode())
         np.savetxt(file, table, fmt=",".join(row))
 
     write_atomically(path, write, outputs)
+
+
+def _columns_of(recording: Recording) -> list[str]:
+    """Names of the columns of other trackers, each once."""
+    names: list[str] = []
+    for item in recording.extra:
+        name = "_".join(words_of(item.name)) or "tracker"
+        while name in names or name in TRACKERS:
+            name += "_2"
+        names.append(name)
+    return [f"{name}_{part}" for name in names for part in _PARTS]
+
+
+def _extra(lines: list[str], header: int, file: str) -> tuple[Extra, ...]:
+    """Trackers besides the three, whose columns are all there."""
+    columns = columns_of(lines[header])
+    names = [column.removesuffix("_px") for column in columns if column.endswith("_px")]
+    whole = [n for n in names if n not in TRACKERS and all(f"{n}_{part}" in columns for part in _PARTS)]
+    extra: list[Extra] = []
+    for name in whole:
+        values, _ = read_columns(lines, header, ["time", *(f"{name}_{part}" for part in _PARTS)], file)
+        extra.append(
+            Extra(
+                name.replace("_", " "),
+                Track(values[:, 0], values[:, 1:4], values[:, 4:8], values[:, 8] != 0.0),
+            )
+        )
+    return tuple(extra)
 
 
 def read_csv(content: bytes, file: str) -> RawRecording:
@@ -86,6 +117,7 @@ def read_csv(content: bytes, file: str) -> RawRecording:
         name=fields["name"][1] if "name" in fields else "",
         mounts=_mounts(fields, file),
         eye_height=_eye_height(fields, file) if "eye_height" in fields else None,
+        extra=_extra(lines, header, file),
     )
 
 

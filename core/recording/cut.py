@@ -42,4 +42,13 @@ def cut(recording: Recording, start: float, stop: float) -> Recording:
         positions=recording.positions[kept],
         rotations=recording.rotations[kept],
         valid=recording.valid[kept],
+        extra=tuple(
+            replace(
+                item,
+                positions=item.positions[kept],
+                rotations=item.rotations[kept],
+                valid=item.valid[kept],
+            )
+            for item in recording.extra
+        ),
     )

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from . import aframe, bsor, csv_format, layouts
 from .raw import RawRecording
-from .reading import columns, objects, unreadable
+from .reading import columns, objects, osc, unreadable
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +39,7 @@ FORMATS = (
 
 UNKNOWN = (
     Format("XROR (not read)", unreadable.is_xror, unreadable.refuse_xror, ()),
+    Format(osc.NAME, osc.recognise, osc.read, (".osc", ".log")),
     Format(columns.NAME, columns.recognise, columns.read, (".csv", ".tsv", ".txt", ".gz"), table=True),
     Format(objects.NAME, objects.recognise, objects.read, (".json", ".jsonl")),
 )

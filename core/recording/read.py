@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,8 +19,10 @@ from .formats import UNKNOWN, formats
 from .happenings import in_words
 from .mounts import DEVICE_MOUNTS
 from .raw import RawRecording
+from .reading import columns
 from .reading.answers import NO_ANSWERS, Answers
 from .reading.dress import plain_table, unpacked
+from .reading.folder import joined
 from .reading.settle import settle
 from .recording import TRACKERS, Happening, Recording
 from .repair import Repaired, repair
@@ -29,13 +32,17 @@ def read_recording(path: str | os.PathLike[str], answers: Answers = NO_ANSWERS) 
     """A recording from a file, repaired and with its eye height known.
 
     Args:
-        path: a file in one of `formats.formats()`.
+        path: a folder with a table for each device, or a file in one of `formats.formats()`.
         answers: what a person says of the file; what is not said the file states, or the recording itself tells.
 
     Raises:
         InputError: a file that cannot be read, an unknown format, or a fault in it, with its place.
     """
     answers.check()
+    if Path(path).is_dir():
+        content = joined(Path(path))
+        raw = columns.read(content, str(path))
+        return to_recording(raw, str(path), hashlib.sha256(content).hexdigest(), answers)
     try:
         with Path(path).open("rb") as stream:
             # asked for so many bytes, Python would take memory for as many
@@ -129,12 +136,15 @@ def _finish(raw: RawRecording, repaired: Repaired, given: float | None, file: st
         "mounts": "typical of real devices" if raw.mounts is DEVICE_MOUNTS else "stated in the file",
         "tracked": ", ".join(f"{name} {share:.1%}" for name, share in zip(TRACKERS, shares, strict=True)),
     }
+    lift = np.array([0.0, 0.0, calibration.lift])
+    if repaired.extra:
+        found["other trackers"] = ", ".join(item.name for item in repaired.extra)
     if repaired.repairs:
         found["repaired"] = "; ".join(repaired.repairs)
     return Recording(
         name=raw.name or Path(file).stem,
         times=samples.times,
-        positions=samples.positions + np.array([0.0, 0.0, calibration.lift]),
+        positions=samples.positions + lift,
         rotations=samples.rotations,
         valid=samples.valid,
         mounts=raw.mounts,
@@ -144,4 +154,5 @@ def _finish(raw: RawRecording, repaired: Repaired, given: float | None, file: st
         found=found,
         doubts=(*raw.doubts, *in_words(happenings, float(length)), *calibration.doubts),
         happenings=happenings,
+        extra=tuple(replace(item, positions=item.positions + lift) for item in repaired.extra),
     )

@@ -49,6 +49,20 @@ class Happening:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class ExtraTracker:
+    """A tracker besides the three, on the waist, a foot, a knee."""
+
+    name: str
+    """As the file calls it."""
+    positions: Array
+    """`(T, 3)` metres, at the recording's times."""
+    rotations: Array
+    """`(T, 4)` unit."""
+    valid: NDArray[np.bool_]
+    """`(T,)`."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Recording:
     """Positions and rotations of the three trackers over time."""
 
@@ -72,6 +86,8 @@ class Recording:
     """What a person should look at, a line each; those about `happenings` among them."""
     happenings: tuple[Happening, ...] = ()
     """What the doubts at known times are about."""
+    extra: tuple[ExtraTracker, ...] = ()
+    """Other trackers, which nothing needs."""
 
     def __len__(self) -> int:
         return len(self.times)

@@ -12,9 +12,9 @@ from ..errors import InputError
 from ..maths import quat
 from .happenings import NAMES
 from .interpolation import blend_positions, blend_rotations, neighbours
-from .raw import RawRecording, Track
-from .recording import Array, Happening
-from .timeline import Samples, check_pauses, even_out, fill_pauses, join
+from .raw import Extra, RawRecording, Track
+from .recording import Array, ExtraTracker, Happening
+from .timeline import Samples, at_times, check_pauses, even_out, fill_pauses, join
 
 _FROZEN_S = 0.5
 _MOVED_M = 0.001
@@ -34,6 +34,7 @@ class Repaired:
     samples: Samples
     repairs: tuple[str, ...]
     happenings: tuple[Happening, ...]
+    extra: tuple[ExtraTracker, ...] = ()
 
 
 def repair(raw: RawRecording, file: str) -> Repaired:
@@ -69,7 +70,21 @@ def repair(raw: RawRecording, file: str) -> Repaired:
         _bridge(samples),
         (*repairs, *frozen, *glitches),
         (*still, *jumps, *_happenings("lost", samples, ~samples.valid)),
+        tuple(_extra(item, samples.times + head.times[0], samples.times) for item in raw.extra),
     )
+
+
+def _extra(item: Extra, times: Array, shown: Array) -> ExtraTracker:
+    """Another tracker at the headset's times, `times` on the file's clock; held where it was not tracked."""
+    track = at_times(_usable(_in_order(item.track)), times)
+    known = np.flatnonzero(track.valid)
+    positions, rotations = track.positions, track.rotations
+    if len(known):
+        ends = known if len(known) > 1 else np.repeat(known, 2)
+        before, share = _between(shown[ends], shown)
+        positions = np.where(track.valid[:, None], positions, blend_positions(positions[ends], before, share))
+        rotations = np.where(track.valid[:, None], rotations, blend_rotations(rotations[ends], before, share))
+    return ExtraTracker(item.name, positions, quat.continuous(quat.normalize(rotations)), track.valid)
 
 
 def _told(notes: list[str]) -> list[str]:

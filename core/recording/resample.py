@@ -38,4 +38,13 @@ def resample(recording: Recording, fps: float) -> Recording:
         positions=blend_positions(recording.positions, before, share),
         rotations=quat.continuous(blend_rotations(recording.rotations, before, share)),
         valid=recording.valid[nearest],
+        extra=tuple(
+            replace(
+                item,
+                positions=blend_positions(item.positions, before, share),
+                rotations=quat.continuous(blend_rotations(item.rotations, before, share)),
+                valid=item.valid[nearest],
+            )
+            for item in recording.extra
+        ),
     )

@@ -40,7 +40,7 @@ def join(tracks: tuple[Track, Track, Track]) -> Samples:
         tracks: with increasing times and unit rotations; the headset's has two samples or more.
     """
     times = tracks[0].times
-    joined = [_at(track, times) for track in tracks]
+    joined = [at_times(track, times) for track in tracks]
     return Samples(
         times=times - times[0],
         positions=np.stack([track.positions for track in joined], axis=1),
@@ -49,8 +49,8 @@ def join(tracks: tuple[Track, Track, Track]) -> Samples:
     )
 
 
-def _at(track: Track, times: Array) -> Track:
-    """One tracker at other times."""
+def at_times(track: Track, times: Array) -> Track:
+    """One tracker, with increasing times and unit rotations, at other times."""
     if np.array_equal(track.times, times):
         return track
     if len(track.times) < 2:

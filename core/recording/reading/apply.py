@@ -20,7 +20,16 @@ def applied(raw: RawRecording, reading: Reading) -> RawRecording:
     if reading.swapped:
         tracks[1], tracks[2] = tracks[2], tracks[1]
     head, left, right = (_turned(track, reading) for track in tracks)
-    return replace(raw, tracks=(head, left, right), reading=Reading(), extra=())
+    extra = tuple(
+        replace(
+            item,
+            track=_turned(
+                replace(item.track, rotations=to_quaternions(item.track.rotations, reading.rotation)), reading
+            ),
+        )
+        for item in raw.extra
+    )
+    return replace(raw, tracks=(head, left, right), reading=Reading(), extra=extra)
 
 
 def _placed(head: Track, hand: Track, how: str) -> Track:

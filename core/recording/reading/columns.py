@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-import math
-import re
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from datetime import datetime
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,36 +12,22 @@ from ...errors import InputError
 from ..raw import STATED, Extra, RawRecording, Reading, Track
 from ..recording import TRACKERS, Array
 from ..table import columns_of, decode, read_columns
-from .dress import COMMENT, header_line
-from .meaning import Columns, Understood, understand, whose, words_of
+from .clock import Sheet, clock_of, number, own_times
+from .dress import COMMENT, header_line, is_json
+from .meaning import HANDS, Columns, Understood, understand, whose, words_of
 from .rotations import KINDS, WIDTHS
 
 _HEADER_BYTES = 16384
 NAME = "table, by the names of its columns"
 _EMPTY = Track(np.empty(0), np.empty((0, 3)), np.empty((0, 4)), np.empty(0, dtype=np.bool_))
-_CLOCK = re.compile(r"(?:(\d+):)?(\d{1,2}):(\d{1,2}(?:[.,]\d+)?)\s*$")
-_USUAL_RATE = 72.0
 _BARE = ("px", "py", "pz", "q_0", "q_1", "q_2", "q_3")
 """Columns of a tracker in a table without names."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Sheet:
-    """Rows of numbers under names."""
-
-    names: tuple[str, ...]
-    values: Array
-    """`(N, C)`; NaN for what is no number."""
-    texts: tuple[tuple[str, ...], ...]
-    """Columns that hold texts, by index in `names`; () for the others."""
-    lines: NDArray[np.intp]
-    """`(N,)` line of each row in its file."""
 
 
 def recognise(content: bytes) -> bool:
     """Whether a file is a table with the headset's pose in columns that tell so."""
     head = content[:_HEADER_BYTES].removeprefix(b"\xef\xbb\xbf")
-    if head.lstrip()[:1] in (b"{", b"[") or b"\0" in head:
+    if is_json(head) or b"\0" in head:
         return False
     lines = head.decode("utf-8", "replace").splitlines()
     if not lines:
@@ -76,18 +58,17 @@ def read(content: bytes, file: str) -> RawRecording:
     if not is_posed(found):
         raise InputError(f"{file}: line {header + 1}: no columns of a headset's position and rotation")
     lines = [
-        line if number <= header or not line.lstrip().startswith(COMMENT) else ""
-        for number, line in enumerate(lines)
+        line if index <= header or not line.lstrip().startswith(COMMENT) else ""
+        for index, line in enumerate(lines)
     ]
     wanted = sorted({i for pose in found.trackers.values() for i in (*pose.place, *pose.turn)})
     values, numbers = read_columns(lines, header, [names[i] for i in wanted], file)
     whole = np.full((len(values), len(names)), np.nan)
     whole[:, wanted] = values
-    texts: list[tuple[str, ...]] = [()] * len(names)
-    for column in (found.time, found.number, found.device, *found.times.values()):
-        if column >= 0:
-            rows = [lines[int(number) - 1] for number in numbers]
-            texts[column] = tuple(row.split(",")[column].strip() for row in rows)
+    rows = zip(*(lines[int(line) - 1].split(",") for line in numbers), strict=True)
+    texts = [
+        () if column in wanted else tuple(cell.strip() for cell in cells) for column, cells in enumerate(rows)
+    ]
     return to_raw(Sheet(tuple(names), whole, tuple(texts), numbers), found, file, NAME)
 
 
@@ -103,8 +84,8 @@ def to_raw(sheet: Sheet, found: Understood, file: str, name: str) -> RawRecordin
     Raises:
         InputError: times that are none.
     """
-    times, counted = _times(sheet, found, file)
-    own = _own_times(sheet, found, times, file)
+    clock = clock_of(sheet, found, file)
+    own = own_times(sheet, found, clock.times, file)
     tracks: dict[str, Track] = {}
     kinds: dict[str, Columns] = {}
     for tracker, pose, rows in _groups(sheet, found):
@@ -113,7 +94,7 @@ def to_raw(sheet: Sheet, found: Understood, file: str, name: str) -> RawRecordin
         tracks.setdefault(
             tracker,
             Track(
-                own.get(tracker, times)[rows],
+                own.get(tracker, clock.times)[rows],
                 values[:, pose.place],
                 values[:, pose.turn],
                 np.ones(len(values), dtype=np.bool_),
@@ -135,11 +116,11 @@ def to_raw(sheet: Sheet, found: Understood, file: str, name: str) -> RawRecordin
     head, left, right = (same.get(tracker, none) for tracker in TRACKERS)
     return RawRecording(
         tracks=(head, left, right),
-        found={"format": name},
+        found={"format": name, **({"times": clock.told} if clock.told else {})},
         reading=Reading(axes="RUF", metres=found.metres or 1.0, rotation=rotation),
         stated=frozenset(stated) & STATED,
-        extra=tuple(Extra(t, track) for t, track in same.items() if t not in TRACKERS),
-        counted=counted,
+        extra=tuple(Extra(t, track) for t, track in same.items() if t and t not in TRACKERS),
+        counted=clock.counted,
         doubts=tuple(
             f"there are several poses of {tracker}: the one in {sheet.names[kinds[tracker].place[0]]!r} is read"
             for tracker in found.several
@@ -161,87 +142,33 @@ def _groups(sheet: Sheet, found: Understood) -> list[tuple[str, Columns, NDArray
     every = np.arange(len(sheet.values))
     if "head" in found.trackers:
         return [(tracker, pose, every) for tracker, pose in found.trackers.items() if tracker]
-    devices = np.array(sheet.texts[found.device])
-    groups: list[tuple[str, Columns, NDArray[np.intp]]] = []
-    for device in dict.fromkeys(devices.tolist()):
-        tracker = whose(words_of(device))[0]
-        if tracker:
-            groups.append((tracker, found.trackers[""], np.flatnonzero(devices == device)))
-    return groups
+    texts = list(zip(*(sheet.texts[column] for column in found.labels or [found.device]), strict=True))
+    rows: dict[tuple[str, ...], list[int]] = {}
+    for row, label in enumerate(texts):
+        rows.setdefault(label, []).append(row)
+    trackers = named(list(rows))
+    return [
+        (tracker, found.trackers[""], np.array(rows[label])) for label, tracker in trackers.items() if tracker
+    ]
 
 
-def _times(sheet: Sheet, found: Understood, file: str) -> tuple[Array, bool]:
-    """Seconds `(N,)` from the first sample on, or, True, the samples' numbers where there are no times."""
-    if found.time < 0:
-        if found.number >= 0:
-            numbers = np.array([_number(text) for text in sheet.texts[found.number]])
-            if np.isfinite(numbers).all():
-                return numbers - (numbers[0] if len(numbers) else 0.0), True
-        return np.arange(len(sheet.values), dtype=np.float64), True
-    values, dated = _clock(sheet, found.time, file)
-    known = values[np.isfinite(values)]
-    values -= known[0] if len(known) else 0.0
-    return values * (1.0 if dated else found.seconds or _unit(values, file)), False
-
-
-def _own_times(sheet: Sheet, found: Understood, times: Array, file: str) -> dict[str, Array]:
-    """Seconds `(N,)` of the trackers that have columns of times of their own, on the clock of `times`."""
-    if not found.times or found.time < 0:
-        return {}
-    common, _ = _clock(sheet, found.time, file)
-    span, seconds = np.nanmax(common) - np.nanmin(common), np.nanmax(times) - np.nanmin(times)
-    unit = float(seconds / span) if span > 0.0 else 1.0
-    return {
-        tracker: times + (_clock(sheet, column, file)[0] - common) * unit
-        for tracker, column in found.times.items()
-    }
-
-
-def _clock(sheet: Sheet, column: int, file: str) -> tuple[Array, bool]:
-    """What a column of times says `(N,)`, NaN where nothing, and whether these are seconds of dates."""
-    texts = sheet.texts[column]
-    values, dated = np.empty(len(texts)), False
-    for row, text in enumerate(texts):
-        values[row] = _number(text)
-        if np.isnan(values[row]) and text.strip():
-            values[row], dated = _date(text, f"{file}: line {int(sheet.lines[row])}"), True
-    return values, dated
-
-
-def _number(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        return float("nan")
-
-
-def _date(text: str, where: str) -> float:
-    """Seconds of a date and time in ISO 8601, or of hours, minutes and seconds."""
-    clock = _CLOCK.search(text)
-    if clock is not None and "-" not in text and "/" not in text:
-        return 3600.0 * float(clock[1] or 0) + 60.0 * float(clock[2]) + float(clock[3])
-    try:
-        return datetime.fromisoformat(text.replace("Z", "+00:00")).timestamp()
-    except (ValueError, OverflowError, OSError):
-        raise InputError(f"{where}: {text!r} is no time; correct or remove it") from None
-
-
-def _unit(values: Array, file: str) -> float:
-    """Seconds in the unit of times that do not say it: recorders take 9 to 500 samples a second."""
-    steps: Any = np.diff(values)
-    steps = steps[steps > 0.0]
-    step = float(np.median(steps)) if len(steps) else 0.0
-    fitting = [unit for unit in (1.0, 1e-3, 1e-6, 1e-7, 1e-9) if 0.002 <= step * unit <= 0.115]
-    if fitting:
-        return min(fitting, key=lambda unit: abs(math.log(step * unit * _USUAL_RATE)))
-    if step == 0.0:
-        return 1.0
-    raise InputError(f"{file}: its times tell no unit; call their column time_s, time_ms, time_us or time_ns")
+def named(labels: Sequence[tuple[str, ...]]) -> dict[tuple[str, ...], str]:
+    """The trackers that rows' labels name; by elimination where one is missing."""
+    out = {label: whose(words_of(" ".join(label)))[0] for label in labels}
+    left = [label for label, tracker in out.items() if not tracker]
+    hands = [label for label in left if HANDS & set(words_of(" ".join(label)))]
+    if len(hands) == 2 and not {"left", "right"} & set(out.values()):
+        # which is which the movement has to tell
+        out |= dict(zip(hands, ("left", "right"), strict=True))
+    left = [label for label in left if label not in hands]
+    if len(left) == 1 and "head" not in out.values():
+        out[left[0]] = "head"
+    return out
 
 
 def _bare_names(cells: Sequence[str]) -> list[str]:
     """Names for the columns of a table without any: a time or none, then three poses of seven; empty for others."""
-    if len(cells) not in (21, 22) or any(np.isnan(_number(cell)) for cell in cells):
+    if len(cells) not in (21, 22) or any(np.isnan(number(cell)) for cell in cells):
         return []
     poses = [f"{tracker}_{part}" for tracker in TRACKERS for part in _BARE]
     return (["time"] if len(cells) == 22 else []) + poses

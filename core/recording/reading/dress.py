@@ -9,12 +9,16 @@ import zlib
 
 from ...bounds import RECORDING_BYTES
 from ...errors import InputError
+from .rows import spread, tidied
 
 _GZIP = b"\x1f\x8b"
 _UTF16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 COMMENT = ("#", "//", "%")
 _DECIMAL_COMMA = re.compile(r"\s*[-+]?\d*,\d+(?:[eE][-+]?\d+)?\s*")
-_VECTOR = re.compile(r"[\[({]\s*([-+0-9.eE]+(?:[\s,;]+[-+0-9.eE]+){2,15})\s*[\])}]")
+_JSON = re.compile(rb"\s*(?:\{|\[\s*[\[{\"\-\d\]])")
+_BRACKETS = re.compile(r"[\[({][^\])}]*[\])}]")
+_OWN = b"# footwork-recording "
+_THOUSANDS = re.compile(r"[-+]?\d{1,3}(?:(?P<mark>[,.'\u2019 \u00a0\u202f])\d{3})+(?:(?!(?P=mark))[.,]\d+)?")
 _EMPTY = frozenset(
     ("-nan(ind)", "-nan", "1.#qnan", "-1.#ind", "null", "none", "nan", "n/a", "na", "-", "undefined")
 )
@@ -41,6 +45,7 @@ def unpacked(content: bytes, file: str) -> bytes:
             )
         if not unpacker.eof:
             raise InputError(f"{file}: its compression breaks off; copy it again")
+    content = content.rstrip(b"\0\x1a") if content[-1:] in (b"\0", b"\x1a") and is_text(content) else content
     mark = _unmarked(content[:400])
     content = mark + content
     if content.startswith(_UTF16):
@@ -48,7 +53,28 @@ def unpacked(content: bytes, file: str) -> bytes:
             return content.decode("utf-16").encode()
         except UnicodeError:
             raise InputError(f"{file}: not UTF-16 text, though it begins so; save it as UTF-8") from None
+    if is_text(content):
+        try:
+            content.decode()
+        except UnicodeDecodeError:
+            # whatever Western code page it is: the names that count are alike in all
+            return content.decode("cp1252", "replace").encode()
     return content
+
+
+def is_text(content: bytes) -> bool:
+    """Whether a file begins as text in some one-byte code or UTF-8."""
+    head = content[:_LOOKED_AT].rstrip(b"\0\x1a")
+    return (
+        len(head) > 0
+        and not content.startswith(_UTF16)
+        and not any(byte < 9 or 13 < byte < 27 for byte in head[:4096])
+    )
+
+
+def is_json(content: bytes) -> bool:
+    """Whether a file begins as JSON does."""
+    return _JSON.match(content[:_LOOKED_AT].removeprefix(codecs.BOM_UTF8)) is not None
 
 
 def _unmarked(start: bytes) -> bytes:
@@ -56,7 +82,7 @@ def _unmarked(start: bytes) -> bytes:
     if len(start) < 40 or start.startswith(_UTF16):
         return b""
     for mark, letters, blanks in ((_UTF16[0], start[::2], start[1::2]), (_UTF16[1], start[1::2], start[::2])):
-        if not any(blanks) and all(9 <= letter < 127 for letter in letters):
+        if blanks.count(0) > 0.9 * len(blanks) and all(letter >= 9 for letter in letters):
             return mark
     return b""
 
@@ -75,34 +101,75 @@ def plain_table(content: bytes) -> bytes:
     Line numbers stay as they are. What is no table, or is written so already, is returned as it is.
     """
     head = content[:_LOOKED_AT].removeprefix(codecs.BOM_UTF8)
-    if head.lstrip()[:1] in (b"{", b"[") or b"\0" in head:
+    if is_json(head) or b"\0" in head or head.startswith(_OWN):
         return content
     lines = head.decode("utf-8", "replace").splitlines()
     if not lines:
         return content
-    start = header_line(lines)
-    separator = _separator(lines[start])
-    if not separator or (separator == "," and not _is_odd(lines, start)):
+    separator = _separator_of(lines)
+    if not separator:
         return content
+    start = header_line(lines)
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError:
         return content
-    lines = text.splitlines()
+    before = text.splitlines()
+    lines = tidied(before, lambda line: _cells(line, separator), COMMENT)
+    start = header_line(lines)
+    if separator == "," and lines == before and not _is_odd(lines, start):
+        return content
     widths = _widths(lines, start, separator)
+    mark = _thousands(lines[start + 1 : start + 400], separator)
     out = [
         line
         if number < start or not line.strip() or line.lstrip().startswith(COMMENT)
-        else _plain(line, separator, widths, number == start)
+        else _plain(line, separator, widths, mark, number == start)
         for number, line in enumerate(lines)
     ]
     return ("\n".join(out) + "\n").encode()
 
 
+def _separator_of(lines: list[str]) -> str:
+    """What stands between the cells of the table among lines; "" for none."""
+    start = header_line(lines)
+    named = re.fullmatch(r"sep=(.)", lines[start].strip())
+    if named:
+        return named[1]
+    found = [_separator(line) for line in lines[start : start + 40] if line.strip()]
+    # rows are many, what stands above them is not
+    counts = {separator: found.count(separator) for separator in found if separator}
+    return max(counts, key=lambda separator: counts[separator], default="")
+
+
+def _thousands(rows: list[str], separator: str) -> str:
+    """What stands between the thousands of a table's numbers; "" for nothing."""
+    marks: dict[str, int] = {}
+    for row in rows:
+        for cell in _cells(row, separator):
+            found = _THOUSANDS.fullmatch(cell.strip())
+            # one group may as well be a fraction
+            if found and (
+                found[0].count(found["mark"]) > 1 or found["mark"] not in ",." or _has_both(found[0])
+            ):
+                marks[found["mark"]] = marks.get(found["mark"], 0) + 1
+    return max(marks, key=lambda mark: marks[mark], default="")
+
+
+def _has_both(number: str) -> bool:
+    return "," in number and "." in number
+
+
 def _separator(header: str) -> str:
     """What stands between a table's cells, "" where the line is none."""
-    found = max(",;\t|", key=header.count)
-    if header.count(found) + 1 >= LEAST_COLUMNS or '"' in header or _VECTOR.search(header):
+    vectors = "(" in header or "[" in header
+    header = _BRACKETS.sub("", header)
+    # decimal commas are as many as what stands between them
+    found = max(
+        "\t;|,",
+        key=lambda mark: (mark != "," and header.count(mark) + 1 >= LEAST_COLUMNS, header.count(mark)),
+    )
+    if header.count(found) + 1 >= LEAST_COLUMNS or '"' in header or vectors:
         return found if header.count(found) else ""
     if header.count(found) >= 2:
         return found
@@ -127,37 +194,42 @@ def _is_odd(lines: list[str], start: int) -> bool:
 def _cells(line: str, separator: str) -> list[str]:
     if separator == " ":
         return line.split()
+    if "\x1f" in line:
+        return line.split("\x1f")
     if '"' not in line:
         return line.split(separator)
     return next(csv.reader([line], delimiter=separator), list[str]())
 
 
-def _widths(lines: list[str], start: int, separator: str) -> list[int]:
-    """How many numbers each column's cells hold: more than 1 for vectors."""
+def _widths(lines: list[str], start: int, separator: str) -> list[list[str]]:
+    """The places of the numbers in each column's cells: more than one for vectors."""
     row = next(
         (line for line in lines[start + 1 :] if line.strip() and not line.lstrip().startswith(COMMENT)), ""
     )
-    return [len(_vector(cell)) or 1 for cell in _cells(row, separator)]
+    return [[place for place, _ in spread(cell)] for cell in _cells(row, separator)]
 
 
-def _vector(cell: str) -> list[str]:
-    found = _VECTOR.fullmatch(cell.strip())
-    return re.split(r"[\s,;]+", found[1]) if found else []
+def _spread(cell: str, places: list[str], header: bool) -> list[tuple[str, str]]:
+    return [(place, "") for place in places] if header else spread(cell)
 
 
-def _plain(line: str, separator: str, widths: list[int], header: bool) -> str:
+def _plain(line: str, separator: str, widths: list[list[str]], mark: str, header: bool) -> str:
     cells = _cells(line, separator)
     while cells and not cells[-1].strip() and len(cells) > 1:
         cells.pop()
     out: list[str] = []
     for number, cell in enumerate(cells):
-        width = widths[number] if number < len(widths) else 1
-        if width > 1:
-            values = [f"{cell.strip()}.{part}" for part in range(width)] if header else _vector(cell)
-            out += values or [""] * width
+        places = widths[number] if number < len(widths) else []
+        if places:
+            values = [
+                f"{cell.strip()}.{place}" if header else text for place, text in _spread(cell, places, header)
+            ]
+            out += values if len(values) == len(places) else [""] * len(places)
             continue
         cell = cell.strip()
-        if separator != "," and _DECIMAL_COMMA.fullmatch(cell):
+        if mark and _THOUSANDS.fullmatch(cell):
+            cell = cell.replace(mark, "")
+        if (separator != "," or mark == ".") and _DECIMAL_COMMA.fullmatch(cell):
             cell = cell.replace(",", ".")
         out.append("" if cell.lower() in _EMPTY else cell.replace(",", " "))
     return ",".join(out)

@@ -7,6 +7,7 @@ Names are taken apart into words, so that `hmd_pos_x`, `CenterEye_PosX`, `head.p
 from __future__ import annotations
 
 import re
+import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -22,6 +23,15 @@ _HEAD = {
     "camera",
     "cam",
     "viewer",
+    "quest",
+    "quest2",
+    "quest3",
+    "rift",
+    "vive",
+    "pico",
+    "xrcamera",
+    "camera3",
+    "xrcamera3d",
     "view",
     "centereye",
     "eye",
@@ -59,7 +69,7 @@ _SIDES = {
         "controllerr",
     },
 }
-_HANDS = {"hand", "controller", "touch", "wand", "con", "grip", "ctrl"}
+HANDS = {"hand", "controller", "touch", "wand", "con", "grip", "ctrl"}
 _OTHERS = {
     "waist", "pelvis", "hips", "hip", "chest", "foot", "feet", "ankle", "knee", "elbow", "shoulder", "toe", "spine",
     "back", "torso", "tracker",
@@ -68,7 +78,7 @@ _NOT_A_POSE = {
     "vel", "velocity", "speed", "angular", "linear", "acc", "accel", "acceleration", "stick", "thumbstick", "joystick",
     "trackpad", "touchpad", "gaze", "button", "buttons", "trigger", "axis", "axes", "pressed", "touched", "confidence",
     "battery", "finger", "thumb", "index", "middle", "ring", "pinky", "little", "joint", "bone", "scale", "gravity",
-    "gamepad", "fixation", "pupil", "hit", "origin", "direction", "forward",
+    "gamepad", "fixation", "pupil", "hit", "ray", "direction", "forward",
 }  # fmt: skip
 _PLACE = {
     "pos",
@@ -82,13 +92,14 @@ _PLACE = {
     "t",
     "place",
     "coordinates",
+    "origin",
 }
 _TURN = {
     "rot", "rotation", "rotations", "quat", "quaternion", "orientation", "ori", "orient", "q", "r", "euler", "angle",
     "angles", "rotvec", "rvec", "rotator", "attitude", "eulerangles",
 }  # fmt: skip
 _SIXD = {"sixd", "6d", "rot6d"}
-_MATRIX = {"matrix", "mat", "transform", "m"}
+_MATRIX = {"matrix", "mat", "transform", "m", "basis"}
 _GLUED = re.compile(
     r"(pos|position|loc|location|rot|rotation|quat|quaternion|orientation|ori|euler|q|p|t|r)?([xyzw])"
 )
@@ -114,7 +125,7 @@ METRES = {
     "inch": 0.0254,
     "inches": 0.0254,
 }
-_DEGREES = {
+DEGREES = {
     "deg": "degrees",
     "degree": "degrees",
     "degrees": "degrees",
@@ -125,7 +136,7 @@ SECONDS = {
     "s": 1.0, "sec": 1.0, "secs": 1.0, "seconds": 1.0, "ms": 1e-3, "msec": 1e-3, "milliseconds": 1e-3, "us": 1e-6,
     "microseconds": 1e-6, "ns": 1e-9, "nanoseconds": 1e-9, "ticks": 1e-7,
 }  # fmt: skip
-_TIME = {
+TIME = {
     "time",
     "timestamp",
     "timestamps",
@@ -171,6 +182,9 @@ _DEVICE = {
     "part",
     "id",
 }
+
+
+_LABELS = {"hand", "handedness", "side", "joint", "class", "deviceclass", "message", "address", "controller"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -221,12 +235,16 @@ class Understood:
     """Column that counts frames."""
     device: int = -1
     """Column that says whose pose a row is."""
+    labels: list[int] = field(default_factory=list[int])
+    """This column and others that say more of it, such as a hand."""
     metres: float = 0.0
     angles: str = ""
 
 
 def words_of(name: str) -> list[str]:
-    """The words of a name, lower case: at capitals, separators and brackets."""
+    """The words of a name, lower case and without accents: at capitals, separators and brackets."""
+    if not name.isascii():
+        name = "".join(c for c in unicodedata.normalize("NFKD", name) if not unicodedata.combining(c))
     spaced = re.sub(r"([a-z0-9])([A-Z])", r"\1 \2", name)
     spaced = re.sub(r"([A-Z]{2,})([A-Z][a-z])", r"\1 \2", spaced)
     return [word for word in re.split(r"[^0-9a-zA-Z]+", spaced.lower()) if word]
@@ -237,11 +255,14 @@ def whose(words: Sequence[str]) -> tuple[str, int]:
     side, last = "", 0
     for number, word in enumerate(words):
         # a single letter is a side before all others or after a hand; "h.r.x" is of a head's rotation
-        lone = len(word) == 1 and number > 0 and words[number - 1] not in _HANDS
+        lone = len(word) == 1 and number > 0 and words[number - 1] not in HANDS
         for name, known in _SIDES.items():
             if not side and not lone and (word.startswith(name) or word in known):
                 side, last = name, number + 1
     others = [number for number, word in enumerate(words) if word in _OTHERS]
+    if len(others) == 1 and words[others[0]] == "tracker" and (side or _HEAD & set(words)):
+        # a tracker of a hand or a head is theirs
+        others = []
     if others:
         return " ".join(word for word in words[: others[-1] + 1]), others[-1] + 1
     if side and "eye" in words:
@@ -258,8 +279,8 @@ def meaning(name: str) -> Meaning:
     metres = next((METRES[word] for word in words[1:] if word in METRES and word != "m"), 0.0)
     if re.search(r"[\[(]\s*m\s*[\])]", name):
         metres = 1.0
-    degrees = next((_DEGREES[word] for word in words if word in _DEGREES), "")
-    while len(words) > 1 and (words[-1] in METRES or words[-1] in _DEGREES):
+    degrees = next((DEGREES[word] for word in words if word in DEGREES), "")
+    while len(words) > 1 and (words[-1] in METRES or words[-1] in DEGREES):
         words = words[:-1]
     if not words or _NOT_A_POSE & set(words):
         return Meaning()
@@ -275,8 +296,10 @@ def meaning(name: str) -> Meaning:
 def _is_beside(word: str) -> bool:
     """Whether a word says something of a pose beside what it is of and what it is."""
     known = (
-        word in _PLACE or word in _TURN or word in _HANDS or word in _HEAD or word in _SIXD or word in _MATRIX
+        word in _PLACE or word in _TURN or word in HANDS or word in _HEAD or word in _SIXD or word in _MATRIX
     )
+    if word in ("x", "y", "z"):
+        return False
     return word in _APART or not (known or word.isdecimal() or whose([word])[0])
 
 
@@ -302,6 +325,8 @@ def _component(words: Sequence[str]) -> tuple[str, str]:
     counted = _COUNTED.fullmatch(last)
     if counted:
         return "turn", _COMPLEX.get(counted[1], counted[1])
+    if "basis" in body and body[-1] in ("x", "y", "z") and last in ("x", "y", "z"):
+        return "matrix", f"{'xyz'.index(last)}{'xyz'.index(body[-1])}"
     glued, cell = _GLUED.fullmatch(last), _CELL.fullmatch(last)
     if glued:
         if glued[1]:
@@ -349,18 +374,19 @@ def _other(out: Understood, column: int, name: str) -> None:
     words = words_of(name)
     if not words:
         return
-    tracker = whose(words[:-1])[0] if words[-1] in _TIME - {"a", "t"} else ""
+    tracker = whose(words[:-1])[0] if words[-1] in TIME - {"a", "t"} else ""
     if tracker:
         out.times.setdefault(tracker, column)
     if out.time < 0 and (
-        words[0] in _TIME or _TIME & set(words) - {"a", "t"} or name.strip().lower() in SECONDS
+        words[0] in TIME or TIME & set(words) - {"a", "t"} or name.strip().lower() in SECONDS
     ):
         out.time = column
         out.seconds = next((SECONDS[word] for word in reversed(words) if word in SECONDS), 0.0)
     elif out.number < 0 and words[0] in _NUMBER:
         out.number = column
-    elif out.device < 0 and words[-1] in _DEVICE:
-        out.device = column
+    elif words[-1] in _DEVICE or words[-1] in _LABELS:
+        out.device = column if out.device < 0 else out.device
+        out.labels.append(column)
 
 
 def _columns(kinds: dict[str, dict[str, int]]) -> Columns | None:

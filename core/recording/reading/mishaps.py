@@ -29,7 +29,8 @@ def one_clock(raw: RawRecording) -> RawRecording:
     at = tracks[0].times[starts] - tracks[0].times[0]
     times = ", ".join(f"{second:.1f}" for second in at[:3])
     doubt = f"the clock starts again at {times} s: the parts are joined; cut out what is not wanted"
-    return replace(raw, tracks=(tracks[0], tracks[1], tracks[2]), doubts=(*raw.doubts, doubt))
+    extra = tuple(replace(item, track=_continued(item.track)) for item in raw.extra)
+    return replace(raw, tracks=(tracks[0], tracks[1], tracks[2]), extra=extra, doubts=(*raw.doubts, doubt))
 
 
 def _restarts(times: Array) -> NDArray[np.intp]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, cast
 
 import numpy as np
@@ -11,20 +11,20 @@ from ...bounds import RECORDING_BYTES
 from ...errors import FaultError, InputError
 from ...json_text import parse_json
 from ..raw import RawRecording, Reading, Track
-from .columns import Sheet, is_posed, to_raw
+from .clock import Sheet, number
+from .columns import is_posed, to_raw
+from .dress import is_json
 from .meaning import understand
+from .shapes import rows_of
 
 _MOST_NAMES = 600
-_DEEP = 6
-_LOOKED_AT = 65536
 NAME = "JSON, by the names in it"
 _WEBXR = Reading(axes="RUB", rotation="xyzw")
 
 
 def recognise(content: bytes) -> bool:
     """Whether a file is JSON, which may hold frames."""
-    head = content[:_LOOKED_AT].removeprefix(b"\xef\xbb\xbf").lstrip()
-    return head[:1] in (b"{", b"[")
+    return is_json(content)
 
 
 def read(content: bytes, file: str) -> RawRecording:
@@ -36,13 +36,13 @@ def read(content: bytes, file: str) -> RawRecording:
     data = _parsed(content, file)
     if isinstance(data, dict) and {"schema", "frames"} <= cast(dict[str, Any], data).keys():
         return _read_webxr(cast(dict[str, Any], data), file)
-    frames = _frames(data)
-    if frames:
-        rows = [dict(_flat(frame)) for frame in frames]
+    rows = rows_of(data)
+    if rows:
         names = tuple(dict.fromkeys(name for row in (*rows[:50], rows[-1]) for name in row))[:_MOST_NAMES]
         found = understand(names)
         if is_posed(found):
-            sheet = _sheet(names, rows, (found.time, found.number, found.device, *found.times.values()))
+            posed = {i for pose in found.trackers.values() for i in (*pose.place, *pose.turn, *pose.last)}
+            sheet = _sheet(names, rows, posed)
             return to_raw(sheet, found, file, NAME)
     raise InputError(
         f"{file}: JSON without frames that tell a headset's position and rotation; name them head, left and right"
@@ -59,54 +59,31 @@ def _parsed(content: bytes, file: str) -> Any:
         if len(rows) < 2 or not all(row.strip()[:1] in (b"{", b"[") for row in rows[:2]):
             raise InputError(f"{file}: {fault}; was the file cut short? record it again") from None
     out: list[Any] = []
-    for number, line in enumerate(lines, 1):
+    for place, line in enumerate(lines, 1):
         if line.strip():
             try:
                 out.append(parse_json(line, RECORDING_BYTES, small=False))
             except FaultError:
-                raise InputError(f"{file}: line {number}: broken JSON; correct or remove the line") from None
+                raise InputError(f"{file}: line {place}: broken JSON; correct or remove the line") from None
     return out
 
 
-def _frames(data: Any, depth: int = 0) -> list[Any]:
-    """The longest list of objects or lists in a value."""
-    if depth > _DEEP:
-        return []
-    if isinstance(data, list):
-        items = cast(list[Any], data)
-        if len(items) > 1 and all(isinstance(item, dict) for item in items[:3]):
-            return items
-        children: Sequence[Any] = items[:20]
-    elif isinstance(data, dict):
-        children = list(cast(dict[str, Any], data).values())[:100]
-    else:
-        return []
-    return max((_frames(child, depth + 1) for child in children), key=len, default=list[Any]())
-
-
-def _flat(value: Any, name: str = "", depth: int = 0) -> Iterator[tuple[str, Any]]:
-    """Every number and text of a frame under the names that lead to it."""
-    if depth > _DEEP:
-        return
-    if isinstance(value, dict):
-        for key, child in cast(dict[str, Any], value).items():
-            yield from _flat(child, f"{name}.{key}" if name else str(key), depth + 1)
-    elif isinstance(value, list):
-        for number, child in enumerate(cast(list[Any], value)[:26]):
-            yield from _flat(child, f"{name}.{number}", depth + 1)
-    elif not isinstance(value, bool):
-        yield name, value
-
-
-def _sheet(names: Sequence[str], rows: Sequence[Mapping[str, Any]], texts: Sequence[int]) -> Sheet:
+def _sheet(names: Sequence[str], rows: Sequence[Mapping[str, Any]], posed: set[int]) -> Sheet:
     values = np.full((len(rows), len(names)), np.nan)
     written: list[tuple[str, ...]] = [()] * len(names)
     for column, name in enumerate(names):
         cells = [row.get(name) for row in rows]
-        if column in texts:
+        if column not in posed:
             written[column] = tuple("" if cell is None else str(cell) for cell in cells)
             continue
-        values[:, column] = [float(cell) if isinstance(cell, int | float) else np.nan for cell in cells]
+        values[:, column] = [
+            float(cell)
+            if isinstance(cell, int | float)
+            else number(cell)
+            if isinstance(cell, str)
+            else np.nan
+            for cell in cells
+        ]
     return Sheet(tuple(names), values, tuple(written), np.arange(1, len(rows) + 1))
 
 

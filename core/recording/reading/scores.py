@@ -24,6 +24,14 @@ COMMON = {
     "FLU": "ROS axes",
 }
 """Axes that programs use."""
+ORDERS = {
+    "RUF": ("YXZ", "rotator"),
+    "RUB": ("YXZ", "XYZ", "rotator"),
+    "RFU": ("ZYX", "XYZ", "pitchx"),
+    "FRU": ("ZYX", "rotator"),
+    "FLU": ("ZYX", "aviation"),
+}
+"""Orders of angles that programs with these axes use, the usual first; pitch, yaw and roll last."""
 EVERY = tuple(
     "".join(letters)
     for pairs in itertools.permutations(("RL", "UD", "FB"))
@@ -33,6 +41,8 @@ EVERY = tuple(
 _CAMERA = "RUB"
 """Device axes of cameras, which look along -Z with Y up in whatever world."""
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "ft": 0.3048, "in": 0.0254}
+_FIT = 12.0
+"""Points for movement that turns explain whole: a tenth more of it is no accident in a few hundred moments."""
 _HEAD_LEVER, _HAND_LEVER = 0.08, 0.3
 """Metres from the neck forward to a headset, from an elbow to a controller."""
 
@@ -133,6 +143,7 @@ def score(seen: Seen, figures: Figures, metres: float) -> float:
     if not math.isnan(seen.hand_lever):
         total += 3.0 * _bounded(seen.hand_lever / (0.5 * _HAND_LEVER), 1.0)
         total += 1.0 * seen.pointing
+    total += _FIT * seen.fit
     total += 3.0 * seen.walk * min(1.0, figures.walked * metres / 2.0)
     return total + _unit_points(seen.height, seen.reach)
 

@@ -23,10 +23,12 @@ from .apply import applied
 from .mishaps import coarse, one_clock, unswapped
 from .plausibility import Figures, Moments, in_world, measure, take_moments
 from .rotations import KINDS, kind_of, to_quaternions
-from .scores import COMMON, UNITS, Candidate, Seen, Span, best_unit, score, see, up_axis, worlds
+from .scores import COMMON, ORDERS, UNITS, Candidate, Seen, Span, best_unit, score, see, up_axis, worlds
 
 _CLEAR = 3.0
 """Points by which the chosen reading must be ahead of the next one that shows something else."""
+_BETTER = 0.5
+"""Points by which other rotations must fit the movement better to be worth a doubt."""
 _BELIEF = {"axes": 6.0, "rotation": 5.0, "unit": 2.0, "sides": 4.0, "hands": 4.0}
 """Points against a reading other than what is stated or usual."""
 _FLOOR = (0.9, 2.2)
@@ -168,11 +170,12 @@ class _Search:
             # no program has an axis that points down, but for images
             total += 0.0 if reading.axes in COMMON else 5.0 if "D" in reading.axes else 2.5
             total += 1.0 if reading.devices not in ("", reading.axes) else 0.0
+        if "rotation" in settled:
+            total += _BELIEF["rotation"] * (reading.rotation != stated.rotation)
+        else:
+            total += _unusual(reading, stated)
         if reading.rotation != stated.rotation:
-            total += _BELIEF["rotation"] if "rotation" in settled else 0.5
-            total += (
-                2.0 if reading.rotation.startswith("vector") or reading.rotation.endswith("inverse") else 0.0
-            )
+            total += 2.0 * (reading.rotation.startswith("vector") or reading.rotation.endswith("inverse"))
         total += _BELIEF["unit"] * ("unit" in settled and reading.metres != stated.metres)
         total += _BELIEF["sides"] * (reading.swapped != stated.swapped)
         return total + _BELIEF["hands"] * (reading.hands != stated.hands)
@@ -212,6 +215,15 @@ class _Search:
         return Span(np.stack([low, high], axis=-1), np.concatenate(reaches))
 
 
+def _unusual(reading: Reading, stated: Reading) -> float:
+    """Points against a way of writing rotations that nothing states, by the axes that go with it."""
+    order = reading.rotation.partition("-")[0]
+    usual = ORDERS.get(reading.axes, ())
+    if kind_of(stated.rotation) not in ("euler", "rotator"):
+        return 0.5 * (reading.rotation != stated.rotation)
+    return 0.0 if order in (*usual[:1], *usual[-1:]) else 0.7 if order in usual else 1.5
+
+
 def _said(answers: Answers) -> frozenset[str]:
     """What a person has answered."""
     said = {
@@ -233,6 +245,10 @@ def _timed(raw: RawRecording, file: str, answers: Answers) -> RawRecording:
         raw,
         counted=False,
         tracks=tuple(replace(track, times=track.times / answers.rate) for track in raw.tracks),
+        extra=tuple(
+            replace(item, track=replace(item.track, times=item.track.times / answers.rate))
+            for item in raw.extra
+        ),
     )
 
 
@@ -315,7 +331,7 @@ def _moving_better(ranked: list[Candidate], search: _Search) -> tuple[str, ...]:
     if "D" in best.reading.axes and "axes" not in settled:
         return (f"axes are read as {best.reading.axes}, which no known program writes: check them",)
     other = max((c for c in ranked if c.reading.axes == best.reading.axes), key=moving)
-    if other.reading.rotation == best.reading.rotation or moving(other) < moving(best):
+    if other.reading.rotation == best.reading.rotation or moving(other) < moving(best) + _BETTER:
         return ()
     return (
         f"rotations are read as {best.reading.rotation}, though the movement fits {other.reading.rotation} better: "

@@ -12,10 +12,12 @@ import numpy as np
 import pytest
 from footwork.core.errors import InputError
 from footwork.core.mocap.demo import demo_motion
+from footwork.core.recording.csv_format import write_csv
 from footwork.core.recording.mounts import DEVICE_MOUNTS
 from footwork.core.recording.read import read_recording
 from footwork.core.recording.reading.answers import NO_ANSWERS, Answers
 from footwork.core.recording.recording import TRACKERS, Recording
+from footwork.core.recording.resample import resample
 from footwork.core.recording.simulate import simulate_recording
 from scipy.spatial.transform import Rotation
 
@@ -541,3 +543,160 @@ def test_other_names_of_a_quaternions_numbers(tmp_path, walk, letters) -> None:
     ]
     found = read(tmp_path, table(walk, rows, header), Answers(rotation="wxyz"))
     assert is_walk(found, walk)
+
+
+@pytest.mark.parametrize(
+    ("name", "clock"),
+    [
+        ("boot_seconds", lambda s: f"{4312.5 + s:.5f}"),
+        ("c0", lambda s: f"{1000.0 * s:.2f}"),
+        (
+            "Datum",
+            lambda s: f"31.12.2024 23:59:{50 + s:09.6f}" if s < 10 else f"01.01.2025 00:00:{s - 10:09.6f}",
+        ),
+        ("stamp", lambda s: f"03/14/2024 11:59:{50 + s:09.6f} AM" if s < 10 else f"12:00:{s - 10:09.6f} PM"),
+        (
+            "sec,nanosec",
+            lambda s: f"{1700000000 + int(s + 0.7)},{round((s + 0.7) % 1 * 1e6) % 1000000 * 1000}",
+        ),
+    ],
+)
+def test_clocks_are_known_by_what_they_do(tmp_path, walk, name, clock) -> None:
+    header = names(trackers=("head", "left", "right"))
+    found = read(tmp_path, table(walk, columns(walk, "RUF"), header, name, clock))
+    assert is_walk(found, walk)
+    np.testing.assert_allclose(found.times, walk.times[: len(found)], atol=2e-3)
+
+
+ODD: dict[str, Callable[[str], str | bytes]] = {
+    "notes above": lambda text: "Recorder,v2.1\nSubject,P07\n\n" + text,
+    "a section above": lambda text: "[Header]\nRate=72\n[Data]\n" + text,
+    "units below": lambda text: text.replace("\n", "\nms" + ",m,m,m,,,," * 3 + "\n", 1),
+    "totals": lambda text: text + "Total,864 frames\n",
+    "means": lambda text: text + "mean" + ",0.1" * 21 + "\n",
+    "names again": lambda text: text + text.splitlines()[0] + "\n",
+    "code page": lambda text: ("# Säule für Müller\n" + text).encode("cp1252"),
+    "control-Z": lambda text: text.encode() + b"\x1a",
+}
+
+
+@pytest.mark.parametrize("dress", ODD)
+def test_what_is_above_and_below_a_table_is_left_out(tmp_path, walk, dress) -> None:
+    text = table(walk, columns(walk, "RUF"), names(), "timestamp_ms", milliseconds)
+    assert is_walk(read(tmp_path, ODD[dress](text)), walk)
+
+
+def test_thousands_are_set_apart(tmp_path, walk) -> None:
+    rows = [";".join(["time_ms", *names()])]
+    for second, row in zip(walk.times, columns(walk, "RUF", 0.001), strict=True):
+        cells = (
+            [f"{v:,.4f}" for pose in row for v in pose[:3]],
+            [f"{v:.7f}" for pose in row for v in pose[3:]],
+        )
+        merged = [c for i in range(3) for c in (*cells[0][3 * i : 3 * i + 3], *cells[1][4 * i : 4 * i + 4])]
+        rows.append(";".join([f"{1000 * second:,.2f}", *merged]))
+    assert is_walk(read(tmp_path, "\n".join(rows)), walk)
+
+
+def _columnar(walk: Recording) -> Any:
+    values = columns(walk, "RUB").reshape(len(walk), -1).T.tolist()
+    return {
+        "time": walk.times.tolist(),
+        **dict(zip(names(trackers=("head", "left", "right")), values, strict=True)),
+    }
+
+
+def _device_lists(walk: Recording) -> Any:
+    rows, times = columns(walk, "RUB"), walk.times.tolist()
+    hands = (("headset", "none"), ("controller", "left"), ("controller", "right"))
+    samples = [[{"t": s, **vectors(p)} for s, p in zip(times, rows[:, i], strict=True)] for i in range(3)]
+    return [
+        {"type": kind, "handedness": hand, "data": data}
+        for (kind, hand), data in zip(hands, samples, strict=True)
+    ]
+
+
+def _keyed(walk: Recording) -> Any:
+    frames = objects(walk, "RUB", vectors, ("head", "left", "right"))
+    return {f"{frame.pop('time'):.5f}": frame for frame in frames}
+
+
+def _texts(walk: Recording) -> Any:
+    frames = json.dumps(objects(walk, "RUB", vectors, ("head", "left", "right")))
+    return json.loads(frames, parse_float=str)
+
+
+def _godot(walk: Recording) -> Any:
+    places, turns = poses(walk, "RUB")
+    values = np.concatenate([turns.as_matrix().reshape(-1, 3, 9), places], axis=-1)
+    texts = [[f"Transform3D({', '.join(f'{x:.7f}' for x in pose)})" for pose in row] for row in values]
+    return [
+        {"time": s, **dict(zip(NAMES, row, strict=True))}
+        for s, row in zip(walk.times.tolist(), texts, strict=True)
+    ]
+
+
+@pytest.mark.parametrize("shape", [_columnar, _device_lists, _keyed, _texts, _godot])
+def test_json_of_other_shapes(tmp_path, walk, shape) -> None:
+    assert is_walk(read(tmp_path, json.dumps(shape(walk))), walk)
+
+
+def test_other_trackers_are_kept_up_to_our_own_table(tmp_path, walk) -> None:
+    places = columns(walk, "RUF", 0.01)
+    low = places[:, :1].copy()
+    low[..., 1] -= 70.0
+    header = names(trackers=("head", "left_hand", "right_hand", "waist"))
+    found = read(tmp_path, table(walk, np.concatenate([places, low], axis=1), header))
+    (waist,) = found.extra
+    assert waist.name == "waist" and "waist" in found.found["other trackers"]
+    np.testing.assert_allclose(waist.positions, found.positions[:, 0] - [0.0, 0.0, 0.7], atol=1e-4)
+    assert np.abs((waist.rotations * found.rotations[:, 0]).sum(-1)).min() > 0.99999
+    assert resample(found, 45.0).extra[0].positions.shape == resample(found, 45.0).positions[:, 0].shape
+    write_csv(tmp_path / "own.csv", found)
+    again = read_recording(tmp_path / "own.csv").extra[0]
+    np.testing.assert_allclose(again.positions, waist.positions, atol=1e-5)
+    assert again.name == "waist"
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        lambda s, a, name, pose: f"{s:.5f} {a} {name} {' '.join(pose)}",
+        lambda s, a, name, pose: f'[{s:.5f}] {a} ,sfffffff "{name}" {" ".join(pose)}',
+        lambda s, a, name, pose: (
+            f'{{"time": {s:.5f}, "address": "{a}", "args": ["{name}", {", ".join(pose)}]}}'
+        ),
+        lambda s, a, name, pose: f"/VMC/Ext/T {s:.5f}\n{a} {name} {' '.join(pose)}",
+    ],
+)
+def test_messages_of_vmc(tmp_path, walk, message) -> None:
+    who = (
+        ("/VMC/Ext/Hmd/Pos", "hmd"),
+        ("/VMC/Ext/Con/Pos", "LeftController"),
+        ("/VMC/Ext/Con/Pos", "RightController"),
+    )
+    lines = [
+        message(second, *who[i], [f"{value:.7f}" for value in pose])
+        for second, row in zip(walk.times, columns(walk, "RUF"), strict=True)
+        for i, pose in enumerate(row)
+    ]
+    found = read(tmp_path, "\n".join(lines))
+    assert is_walk(found, walk) and found.found["format"] == "VMC messages"
+
+
+def test_folders_with_a_table_a_device_and_trial(tmp_path, walk) -> None:
+    rows = columns(walk, "RUF")
+    half = len(walk) // 2
+    for trial, part in enumerate((slice(0, half), slice(half, None)), 1):
+        for i, name in enumerate(("hmd_movement", "left_hand_movement", "right_hand_movement")):
+            lines = ["time,pos_x,pos_y,pos_z,rot_x,rot_y,rot_z,rot_w"]
+            for second, pose in zip(walk.times[part], rows[part, i], strict=True):
+                lines.append(",".join(f"{value:.7f}" for value in (31.0 + second, *pose)))
+            file = tmp_path / "S001" / "trackers" / f"{name}_T{trial:03d}.csv"
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text("\n".join(lines))
+    (tmp_path / "S001" / "trial_results.csv").write_text("trial,score\n1,2\n")
+    assert is_walk(read_recording(tmp_path), walk)
+    (tmp_path / "none").mkdir()
+    with pytest.raises(InputError, match="no table of the headset"):
+        read_recording(tmp_path / "none")
