@@ -64,7 +64,7 @@ def test_what_is_exported_is_read_back(walk: Motion, file: BvhFile, tmp_path: Pa
     assert take.found["hips forward"].startswith("+Z of the unturned hips")
 
 
-@pytest.mark.parametrize(("unit", "scale"), [("m", 0.01), ("mm", 10.0), ("inches", 1 / 2.54), ("cm", 1.0)])
+@pytest.mark.parametrize(("unit", "scale"), [("m", 0.01), ("mm", 10.0), ("in", 1 / 2.54), ("cm", 1.0)])
 def test_units(walk: Motion, file: BvhFile, unit: str, scale: float):
     values = file.values.copy()
     values[:, :3] *= scale
