@@ -60,6 +60,8 @@ class BvhFile:
     file: str
     """File name as given; "" for one that was not read."""
     sha256: str
+    zero_is_a_frame: bool = False
+    """Whether the zero pose is but one of the motion's own poses, and no pose that the skeleton was made in."""
     doubts: tuple[str, ...] = ()
     """What is odd about the file, and was read all the same."""
 

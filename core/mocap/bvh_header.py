@@ -231,7 +231,8 @@ class _Scanner:
             time = result.frame_time
             rate = f"{time:g}" if 10.0 <= time <= 1000.0 else "N"
             raise self.fault(
-                f"Frame Time: {found[1]} is no time between two frames; say the rate: --rate {rate}", self.skip()
+                f"Frame Time: {found[1]} is no time between two frames; say the rate: --rate {rate}",
+                self.skip(),
             )
         result.body = found.end()
         result.body_line = self.line(result.body)

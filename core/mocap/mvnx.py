@@ -1,6 +1,7 @@
 """MVNX: Xsens' own XML, with the place and the turn of every segment in every frame.
 
-Metres, Z up, X ahead; a segment's place is that of the joint that it begins at. The frame of type "tpose" has the T-pose.
+Metres, Z up, X ahead; a segment's place is that of the joint that it begins at. The frame of type "tpose" shows the
+T-pose.
 The parser knows no entities and no document types, so that no small file can become a large one.
 """
 
@@ -8,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 from xml.parsers import expat
@@ -155,7 +157,9 @@ class _Scanner:
         words = "".join(self.pieces).split()
         wanted = width * len(self.segments)
         if len(words) != wanted:
-            raise self._fault(f"{len(words)} numbers in {tag} where {len(self.segments)} segments need {wanted}")
+            raise self._fault(
+                f"{len(words)} numbers in {tag} where {len(self.segments)} segments need {wanted}"
+            )
         try:
             values = np.array(words, dtype=np.float64)
         except ValueError:
@@ -251,5 +255,5 @@ def _usual_links() -> list[tuple[str, str]]:
     for start, chain in _LIMBS.items():
         for side in ("Right", "Left") if start else ("",):
             names = [start, *(name.format(side) for name in chain.split())][not start :]
-            links += zip(names[:-1], names[1:], strict=True)
+            links += pairwise(names)
     return links

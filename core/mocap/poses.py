@@ -27,6 +27,7 @@ def bvh_of_poses(
     fps: float,
     file: str,
     sha256: str,
+    rest_is_a_frame: bool = False,
     doubts: Sequence[str] = (),
 ) -> BvhFile:
     """A take as BVH says it, with all six channels on every joint.
@@ -40,6 +41,7 @@ def bvh_of_poses(
         fps: frames per second.
         file: name of the file, for messages.
         sha256: of its content.
+        rest_is_a_frame: whether the rest pose is but one of the motion's own.
         doubts: what is odd about it.
     """
     above = np.maximum(parents, 0)
@@ -60,5 +62,6 @@ def bvh_of_poses(
         values=np.concatenate([ways, angles], axis=-1).reshape(len(positions), -1),
         file=file,
         sha256=sha256,
+        zero_is_a_frame=rest_is_a_frame,
         doubts=tuple(doubts),
     )

@@ -97,7 +97,7 @@ def take_from_bvh(bvh: BvhFile, fps: float | None = None, answers: TakeAnswers =
     said = f"frame time {bvh.frame_time:g} s" if answers.rate is None else "as stated"
     notes.found["rate"] = f"{rate:g} fps ({said}), {len(bvh)} frames, {len(bvh) / rate:.1f} s"
     cut, in_tpose = _first_frame(body, rate, notes)
-    tpose = _find_tpose(body, in_tpose, cut, rate, notes)
+    tpose = _find_tpose(body, in_tpose, cut, rate, notes, chance=bvh.zero_is_a_frame)
     motion = _on_floor(to_motion(body.frames(cut), tpose, rate), notes)
     _check(motion, cut, notes)
     if answers.strict and notes.doubts:
@@ -126,7 +126,8 @@ def _find_rate(frame_time: float, notes: _Notes) -> float:
     rate = frame_rate(frame_time)
     if abs(1.0 / rate - frame_time) > _WRITTEN * frame_time:
         notes.doubts.append(
-            f"the frame time {frame_time:g} s is taken for 1/{rate:g}, which it may be short for; say it: --rate {rate:g}"
+            f"the frame time {frame_time:g} s is taken for 1/{rate:g}, which it may be short for; "
+            f"say it: --rate {rate:g}"
         )
     if not _RATES[0] <= rate <= _RATES[1]:
         notes.doubts.append(f"{rate:g} frames per second are unlikely; say the rate: --rate N")
@@ -210,7 +211,9 @@ def _find_unit(body: RawBody, answers: TakeAnswers, file: str, notes: _Notes) ->
             f"the body is about {tall:.2f} m tall with {unit} as unit: not an adult's size; {ask}"
         )
     elif not answers.unit and unit in _RARE_UNITS:
-        notes.doubts.append(f"{unit} is a rare unit, taken since the body is {tall:.2f} m tall then; say it: --unit {unit}")
+        notes.doubts.append(
+            f"{unit} is a rare unit, taken since the body is {tall:.2f} m tall then; say it: --unit {unit}"
+        )
     _check_size(body, file, length, metres)
     return metres
 
@@ -277,18 +280,23 @@ def _first_frame(body: RawBody, fps: float, notes: _Notes) -> tuple[int, bool]:
     return cut, True
 
 
-def _find_tpose(body: RawBody, first_frame: bool, cut: int, fps: float, notes: _Notes) -> Array:
-    """Global rotations in T-pose, from the zero pose, a first frame in T-pose or the data."""
+def _find_tpose(
+    body: RawBody, first_frame: bool, cut: int, fps: float, notes: _Notes, *, chance: bool
+) -> Array:
+    """Global rotations in T-pose, from the zero pose, a first frame in T-pose or the data.
+
+    A zero pose that came about by chance, as one of the motion's own, is trusted as a T-pose alone.
+    """
     up = _UP_AXES[notes.found.pop("axes")]
     zero = np.repeat(quat.conjugate(up)[None], len(body.names), axis=0)
     rest, positions = zero, body.pose(zero)
     source = "the file's zero pose"
-    lifted = lifted_arms(body.parents, body.roles, zero, positions)
+    lifted = None if chance else lifted_arms(body.parents, body.roles, zero, positions)
     if lifted is not None:
         rest, positions = lifted
     if lifted is not None and looks_like_tpose(body.roles, positions, NEAR):
         source = "the file's zero pose, its hanging arms lifted"
-    elif not looks_like_tpose(body.roles, positions, NEAR):
+    elif not looks_like_tpose(body.roles, positions, _TPOSE_FRAME if chance else NEAR):
         rest, positions = zero, body.pose(zero)
         source = "the data (the file's zero pose is none)"
         if len(body.positions) - cut < 2 and not first_frame:
@@ -366,9 +374,9 @@ def _check(motion: Motion, cut: int, notes: _Notes) -> None:
         notes.doubts.append(f"arms jump by more than 40 degrees in one frame, at {_frames(jumps)}")
     bad = checks.glitches(motion)
     if bad.any():
+        starts = np.flatnonzero(np.diff(bad.astype(np.int8), prepend=0) > 0)
         notes.doubts.append(
-            f"a limb moves as no limb does, at {_frames(np.flatnonzero(bad[1:] & ~bad[:-1]) + 1 + cut)}: "
-            "databases leave these stretches out"
+            f"a limb moves as no limb does, at {_frames(starts + cut)}: databases leave these stretches out"
         )
     jumps = checks.hips_jumps(motion) + cut
     if len(jumps):
