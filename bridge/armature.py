@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import lru_cache
 
 import bpy
@@ -18,6 +19,7 @@ from ..core.presets import Presets
 from ..core.rig.limbs import whole_limbs
 from ..core.rig.mirror import unmirrored
 from ..core.rig.rig import Rig
+from .soles import sole_depth
 
 ROLE_MAP = "footwork_roles"
 """Custom property of an armature object: role -> bone name for what was set by hand, "" for "no bone"."""
@@ -58,7 +60,9 @@ def armature_to_rig(obj: bpy.types.Object, metres_per_unit: float = 1.0) -> Rig:
         roles=tuple(roles[bone] for bone in order),
         loose=tuple(bone.name for bone in bones if bone.parent and not bone.use_inherit_rotation),
     )
-    return whole_limbs(unmirrored(rig))
+    depth = sole_depth(obj, {role: bone for role, bone in role_map(obj).items() if bone})
+    sole = None if depth is None else depth * metres_per_unit
+    return whole_limbs(unmirrored(replace(rig, sole=sole)))
 
 
 def carrier_of(hips: bpy.types.PoseBone) -> bpy.types.PoseBone:

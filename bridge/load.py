@@ -106,7 +106,38 @@ def armature_of(path: Path, name: str) -> bpy.types.Object:
     active = bpy.context.view_layer.objects.active
     if not name and active in armatures:
         chosen = [active]
+    if not chosen:
+        chosen = _elsewhere(path, name)
+    if len(chosen) > 1 and len({obj.name for obj in chosen}) == 1:
+        homes = ", ".join(Path(obj.library.filepath).name for obj in chosen if obj.library)
+        raise InputError(
+            f"{path}: {len(chosen)} armatures are called {chosen[0].name!r} (linked from {homes}); make one local, or "
+            "a library override of it"
+        )
     if len(chosen) != 1:
         wanted = f"no armature {name!r}" if name else f"{len(armatures)} armatures"
         raise InputError(f"{path}: {wanted} in it (it has: {names}); give one as FILE:OBJECT")
     return chosen[0]
+
+
+def _elsewhere(path: Path, name: str) -> list[bpy.types.Object]:
+    """The armature of a name, "" for any, of another scene, which is opened then.
+
+    Raises:
+        InputError: there is one that is only shown as an instance.
+    """
+    for scene in bpy.data.scenes:
+        found = [obj for obj in scene.objects if obj.type == "ARMATURE" and name in ("", obj.name)]
+        if found and scene != bpy.context.scene and bpy.context.window is not None:
+            bpy.context.window.scene = scene
+            return found
+    for shown in bpy.context.scene.objects:
+        collection = shown.instance_collection if shown.instance_type == "COLLECTION" else None
+        inside = [] if collection is None else collection.all_objects
+        rigs = [obj.name for obj in inside if obj.type == "ARMATURE" and name in ("", obj.name)]
+        if collection is not None and rigs:
+            raise InputError(
+                f"{path}: armature {rigs[0]} is only in the collection {collection.name} that {shown.name} instances; "
+                "make the instance real, or a library override of it"
+            )
+    return []

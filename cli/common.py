@@ -13,6 +13,7 @@ from typing import Any
 from ..core import jobs
 from ..core.bounds import REPORT_BYTES
 from ..core.errors import FaultError, InputError, one_line
+from .answers import read_take_answers
 from .verb import Report
 
 NO_FIGURES = "no figures: they need matplotlib (pip install matplotlib)"
@@ -80,12 +81,22 @@ def drawing() -> Any:
         return importlib.import_module(".figures", __package__)
 
 
-def load_takes(paths: Sequence[str], fps: float | None = None) -> list[Any]:
-    """Takes with their doubts told on standard error."""
+def read_scene(path: str) -> Any:
+    """A take from a file that Blender's importers read; InputError where there is no Blender."""
+    from ..core.mocap.containers import NO_BLENDER
+
+    with needing("bpy", f"{path}: {NO_BLENDER}"):
+        from ..bridge.importing import read_scene_take
+    return read_scene_take(path)
+
+
+def load_takes(options: argparse.Namespace, paths: Sequence[str], fps: float | None = None) -> list[Any]:
+    """Takes, read as the flags say, with their doubts told on standard error."""
     from ..core.mocap.take import repeated
     from ..core.mocap.takes import load_take
 
-    takes = each(paths, lambda path: load_take(path, fps))
+    answers = read_take_answers(options)
+    takes = each(paths, lambda path: load_take(path, fps, answers, read_scene))
     for take in takes:
         for line in take.doubts:
             tell(f"{take.file}: doubtful: {line}")

@@ -8,13 +8,16 @@ from pathlib import Path
 from ..core.errors import InputError
 from ..core.settings import DatabaseSettings
 from ..core.transaction import Transaction
+from .answers import add_take_answers
 from .common import load_takes, run, say, tell
 from .options import InputPath, add_output, add_settings, read_settings
 from .verb import Report, Verb
 
 
 def _add_build(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("takes", type=InputPath, nargs="+", metavar="TAKE", help="BVH takes")
+    parser.add_argument(
+        "takes", type=InputPath, nargs="+", metavar="TAKE", help="takes: BVH, MVNX, FBX, glTF"
+    )
     add_output(parser, "DB.npz", "the database to write")
     parser.add_argument(
         "--height-range",
@@ -49,6 +52,7 @@ def _add_build(parser: argparse.ArgumentParser) -> None:
         metavar="DB.npz",
         help="build on this database's skeleton, so that a bake can use both (default: the first take's)",
     )
+    add_take_answers(parser)
     add_settings(parser, DatabaseSettings, skip=("height_low", "height_high"))
 
 
@@ -65,7 +69,7 @@ def _build(options: argparse.Namespace, outputs: Transaction) -> Report:
     if not low < high:
         raise InputError(f"--height-range {low:g} {high:g}: the first must be less than the second")
     skeleton = load_database(options.skeleton).skeleton if options.skeleton else None
-    takes = load_takes(options.takes, settings.fps)
+    takes = load_takes(options, options.takes, settings.fps)
     job = build_database(
         takes,
         settings,

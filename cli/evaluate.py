@@ -9,6 +9,7 @@ from typing import Any
 from ..core.files import sha256_of
 from ..core.settings import BakeSettings
 from ..core.transaction import Transaction
+from .answers import add_take_answers
 from .common import choose_predictor, each, load_databases, load_takes, needing, read_report, run, say, tell
 from .experiments import add_experiments
 from .options import InputPath, OutputFolder, add_database, add_settings, read_settings
@@ -34,8 +35,9 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.epilog = _EPILOG
     parser.add_argument(
-        "takes", type=InputPath, nargs="+", metavar="TAKE", help="BVH takes that are in no database given"
+        "takes", type=InputPath, nargs="+", metavar="TAKE", help="takes that are in no database given"
     )
+    add_take_answers(parser)
     parser.add_argument(
         "--experiment",
         action="append",
@@ -113,7 +115,7 @@ def _run(options: argparse.Namespace, outputs: Transaction) -> Report:
     show = blender_show() if options.in_blender else None
     folder = None if options.output is None else Path(options.output)
     databases = load_databases(options.database)
-    takes = load_takes(options.takes, databases[0].fps)
+    takes = load_takes(options, options.takes, databases[0].fps)
     first = options.predictor[0] if options.predictor else None
     predict = None if options.true_orientation else choose_predictor(first)
     report = run(evaluate_takes(takes, databases, predict, settings, show))

@@ -84,7 +84,7 @@ def train_paper_networks(options: argparse.Namespace, outputs: Transaction) -> l
     from ..nn.settings import TrainSettings
     from ..nn.train.job import train_predictor
 
-    takes = load_takes(options.train_on)
+    takes = load_takes(options, options.train_on)
     out: list[tuple[str, Any]] = []
     with tempfile.TemporaryDirectory() as temporary:
         for iterations in (1, 50):

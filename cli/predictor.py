@@ -8,6 +8,7 @@ from pathlib import Path
 
 from ..core.transaction import Transaction
 from ..nn.settings import CHECKPOINT, TrainSettings
+from .answers import add_take_answers
 from .common import drawing, each, load_takes, run, say
 from .options import InputPath, OutputPath, add_output, add_settings, read_settings
 from .verb import Report, Verb
@@ -17,7 +18,10 @@ LOST = {"none": (), "left": ("left",), "right": ("right",), "both": ("left", "ri
 
 
 def _add_train(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("takes", type=InputPath, nargs="+", metavar="TAKE", help="BVH takes")
+    parser.add_argument(
+        "takes", type=InputPath, nargs="+", metavar="TAKE", help="takes: BVH, MVNX, FBX, glTF"
+    )
+    add_take_answers(parser)
     add_output(parser, "P.npz", "the weights to write", CHECKPOINT)
     add_settings(parser, TrainSettings)
 
@@ -27,7 +31,7 @@ def _train(options: argparse.Namespace, outputs: Transaction) -> Report:
     from ..nn.train.job import train_predictor
 
     settings = read_settings(options, TrainSettings)
-    takes = load_takes(options.takes)
+    takes = load_takes(options, options.takes)
     return run(train_predictor(takes, settings, Path(options.output), outputs=outputs))
 
 
@@ -39,9 +43,8 @@ def _when_cancelled(options: argparse.Namespace) -> str:
 
 
 def _add_evaluate(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "takes", type=InputPath, nargs="+", metavar="TAKE", help="BVH takes, each the user once"
-    )
+    parser.add_argument("takes", type=InputPath, nargs="+", metavar="TAKE", help="takes, each the user once")
+    add_take_answers(parser)
     parser.add_argument(
         "--predictor",
         type=InputPath,
@@ -71,7 +74,7 @@ def _evaluate(options: argparse.Namespace, outputs: Transaction) -> Report:
         predictors = dict(zip(_names(paths), each(paths, load_predictor), strict=True))
     else:
         predictors = shipped_predictors()
-    report = evaluate_predictors(load_takes(options.takes), predictors, LOST[options.lost])
+    report = evaluate_predictors(load_takes(options, options.takes), predictors, LOST[options.lost])
     say(options, *errors_in_words(report))
     if figures is not None:
         outputs.write(options.plot, lambda file: file.write(figures.draw_predictors(report)))

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import argparse
+from typing import Any
 
 from ..core.transaction import Transaction
-from .answers import add_answers, read_answers
-from .common import each, load_takes, say, tell
+from .answers import add_answers, add_take_answers, read_answers, read_take_answers
+from .common import each, load_takes, read_scene, say, tell
 from .options import InputPath, add_output
 from .verb import Report, Verb
 
 
 def _add_inspect(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("files", type=InputPath, nargs="+", metavar="FILE", help="BVH takes or recordings")
-    add_answers(parser)
+    parser.add_argument("files", type=InputPath, nargs="+", metavar="FILE", help="takes or recordings")
+    add_answers(parser, "takes and recordings")
 
 
 def _inspect(options: argparse.Namespace, outputs: Transaction) -> Report:
@@ -23,10 +24,13 @@ def _inspect(options: argparse.Namespace, outputs: Transaction) -> Report:
     from ..core.recording.layouts import layouts
     from ..core.recording.read import read_recording
 
-    answers = read_answers(options)
+    def read(path: str) -> Any:
+        if is_take(path):
+            return load_take(path, None, read_take_answers(options), read_scene)
+        return read_recording(path, read_answers(options))
 
     def look(path: str) -> Report:
-        found = load_take(path) if is_take(path) else read_recording(path, answers)
+        found = read(path)
         say(options, path)
         for name, value in found.found.items():
             say(options, f"  {name:<16} {value}")
@@ -42,7 +46,8 @@ def _inspect(options: argparse.Namespace, outputs: Transaction) -> Report:
 
 
 def _add_simulate(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("take", type=InputPath, metavar="TAKE", help="a BVH take")
+    parser.add_argument("take", type=InputPath, metavar="TAKE", help="a take")
+    add_take_answers(parser)
     add_output(parser, "R.csv", "the recording to write")
 
 
@@ -51,7 +56,7 @@ def _simulate(options: argparse.Namespace, outputs: Transaction) -> Report:
     from ..core.recording.csv_format import write_csv
     from ..core.recording.simulate import simulate_recording
 
-    (take,) = load_takes([options.take])
+    (take,) = load_takes(options, [options.take])
     recording = simulate_recording(take.motion, take.name)
     write_csv(options.output, recording, outputs)
     say(options, f"{options.output}: {recording.times[-1]:.1f} s at {recording.fps:g} per second")

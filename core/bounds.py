@@ -37,6 +37,8 @@ INPUT_DEVIATION: Span = (1e-9, 1e6)
 INPUT_MEAN = 1e6
 FRAME_TIME: Span = (1e-6, 10.0)
 """Seconds between two frames of a take."""
+TAKE_RATE: Span = (1.0, 5000.0)
+"""Frames per second of a take, where a person or a file states them."""
 RECORDING_RATE: Span = (2.0, 5000.0)
 """Samples per second."""
 BVH_NUMBER = 1e9
@@ -55,6 +57,8 @@ EXPANDED_BYTES, EXPANDED_TIMES = 64 << 20, 50
 JSON_BYTES = 16_000_000
 """Descriptions inside of other files."""
 PRESET_BYTES = 1_000_000
+TAKE_BYTES = 4_000_000_000
+"""Of a take that is read whole."""
 RECORDING_BYTES = 1_000_000_000
 REPORT_BYTES = 256_000_000
 TABLE_BYTES = 1_000_000_000

@@ -8,6 +8,7 @@ skipped and reported; it never disables the others. Reading creates nothing.
 from __future__ import annotations
 
 import functools
+import json
 import os
 import sys
 from collections.abc import Callable, Collection, Generator, Mapping, Sequence
@@ -20,6 +21,7 @@ from typing import Any, Generic, Protocol, TypeVar, cast
 from .bounds import PRESET_BYTES
 from .errors import FaultError, InputError, one_line
 from .json_text import read_json
+from .transaction import write_atomically
 
 SHIPPED = Path(__file__).resolve().parents[1] / "presets"
 """The presets that ship."""
@@ -78,6 +80,24 @@ def configuration_folder(platform: str, environment: Mapping[str, str], home: Pa
     base = environment.get("XDG_CONFIG_HOME", "")
     # a relative one is to be ignored, says the XDG specification
     return (Path(base) if Path(base).is_absolute() else home / ".config") / "footwork"
+
+
+def keep_preset(kind: str, name: str, content: Mapping[str, Any]) -> Path:
+    """Write a preset into the user's folder, which is made where it is missing, over an older one of its name.
+
+    Raises:
+        InputError: it cannot be written.
+    """
+    folder = user_folder(kind)
+    stem = "".join(letter if letter.isalnum() or letter in "-_ " else "_" for letter in name).strip() or "own"
+    path = folder / f"{stem}.json"
+    text = json.dumps(content, indent=2, ensure_ascii=False) + "\n"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{folder}: cannot be made ({error.strerror}); check its rights") from error
+    write_atomically(path, lambda stream: stream.write(text.encode()))
+    return path
 
 
 def load_presets(kind: str, read: Callable[[Path], Preset]) -> Presets[Preset]:

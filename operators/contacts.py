@@ -16,12 +16,11 @@ from ..core.database.contact_edits import (
 )
 from ..core.database.contacts import detect_contacts, resample_contacts
 from ..core.mocap.take import Take
-from ..core.mocap.takes import load_take
 from ..core.settings import DatabaseSettings
 from ..properties.rows import FOOTWORK_PG_take
 from ..properties.scene import FOOTWORK_PG_scene, footwork_of
 from . import paths
-from .rows import RowOperator, listed
+from .rows import RowOperator, answers_of, listed, read_take
 
 
 def edits_of_row(row: FOOTWORK_PG_take) -> list[ContactEdit]:
@@ -60,7 +59,7 @@ class FOOTWORK_OT_use_edited_contacts(RowOperator, bpy.types.Operator):
     def work(self, context: bpy.types.Context) -> None:
         row, obj = self.active(context), context.object
         assert obj is not None
-        take, fps = load_take(bpy.path.abspath(row.path)), keyed.shown_rate(obj)
+        take, fps = read_take(bpy.path.abspath(row.path), answers_of(row)), keyed.shown_rate(obj)
         detected = contacts_to_show(take, footwork_of(context.scene), fps, [])
         edits = find_contact_edits(take.name, keyed.read_contacts(obj, len(detected)), detected, fps)
         row.contacts = ", ".join(edit.within_take for edit in edits)

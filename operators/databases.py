@@ -17,7 +17,6 @@ from ..core.database.sidecar import load_database, save_database
 from ..core.errors import InputError
 from ..core.jobs import Job, part
 from ..core.mocap.take import repeated
-from ..core.mocap.takes import load_take
 from ..core.settings import DatabaseSettings
 from ..properties.scene import FOOTWORK_PG_scene, footwork_of
 from . import paths, rows
@@ -72,7 +71,8 @@ class FOOTWORK_OT_build_database(JobOperator, bpy.types.Operator):
         contact_edits = [edit for take in used for edit in edits_of_row(take)]
         tags = tuple(rows.listed(footwork.database_tags))
         skeleton = bpy.path.abspath(footwork.database_skeleton)
-        return _build(takes, settings, self._path, tags, exclude, contact_edits, skeleton)
+        files = [(path, rows.answers_of(take)) for path, take in zip(takes, used, strict=True)]
+        return _build(files, settings, self._path, tags, exclude, contact_edits, skeleton)
 
     def finish(self, context: bpy.types.Context, result: Any) -> None:
         database, doubts = result
@@ -96,9 +96,9 @@ def _build(files, settings, target, tags, exclude, contact_edits, skeleton):
     if not target.parent.is_dir():
         raise InputError(f"{target.parent}: no such folder; choose another file under Save As")
     takes, doubts = [], []
-    for number, path in enumerate(files):
+    for number, (path, answers) in enumerate(files):
         yield 0.5 * number / len(files), f"Reading {Path(path).name}"
-        take = load_take(path, settings.fps)
+        take = rows.read_take(path, answers, settings.fps)
         takes.append(take)
         doubts.extend(f"{take.name}: {doubt}" for doubt in take.doubts)
     doubts.extend(repeated(takes))

@@ -13,7 +13,7 @@ from ..core.jobs import Job
 from ..nn.settings import TrainSettings
 from ..nn.train.checkpoint import checkpoint_path
 from ..properties.scene import FOOTWORK_PG_scene, footwork_of
-from . import paths, training
+from . import paths, rows, training
 from .job_operator import JobOperator
 
 
@@ -51,7 +51,11 @@ class FOOTWORK_OT_train_predictor(JobOperator, bpy.types.Operator):
             raise InputError(f"{self._path.parent}: no such folder; choose another file under Save As")
         if settings.resume and not self._path.is_file() and not checkpoint_path(self._path).is_file():
             raise InputError(f"{self._path}: no such file to go on from; switch Resume off")
-        takes = [bpy.path.abspath(take.path) for take in footwork.takes if take.use and take.state != "FAULT"]
+        takes = [
+            (bpy.path.abspath(take.path), rows.answers_of(take))
+            for take in footwork.takes
+            if take.use and take.state != "FAULT"
+        ]
         return training.train(training.find_trainer(context).python, takes, self._path, settings)
 
     def after_cancel(self):

@@ -11,7 +11,6 @@ from ..bridge.action import scene_fps
 from ..bridge.objects import show_recording
 from ..bridge.settings import typed
 from ..core.errors import InputError
-from ..core.mocap.takes import load_take
 from ..core.recording.csv_format import write_csv
 from ..core.recording.cut import cut
 from ..core.recording.formats import suffixes
@@ -21,7 +20,7 @@ from ..core.recording.simulate import simulate_recording
 from ..properties.scene import FOOTWORK_PG_scene, footwork_of
 from . import paths
 from .base import FootworkOperator
-from .rows import RowOperator, told
+from .rows import RowOperator, answers_of, read_take, told
 
 
 def calibrated(footwork: FOOTWORK_PG_scene) -> float | None:
@@ -123,7 +122,8 @@ class FOOTWORK_OT_simulate_recording(RowOperator, ExportHelper, bpy.types.Operat
         return super().invoke(context, event)
 
     def work(self, context: bpy.types.Context) -> None:
-        take = load_take(bpy.path.abspath(self.active(context).path))
+        row = self.active(context)
+        take = read_take(bpy.path.abspath(row.path), answers_of(row))
         write_csv(self.filepath, simulate_recording(take.motion, take.name))
         _load(self, footwork_of(context.scene), self.filepath)
 

@@ -3,7 +3,10 @@
 import bpy
 
 from ..bridge import armature
+from ..core.body.skeleton import RIG_ROLES
 from ..core.errors import InputError
+from ..core.mocap.families import KIND, family_of
+from ..core.presets import keep_preset
 from ..properties.scene import footwork_of
 from .base import FootworkOperator
 
@@ -48,4 +51,30 @@ class FOOTWORK_OT_reset_roles(FootworkOperator, bpy.types.Operator):
         armature.set_roles(footwork_of(context.scene).rig, {})
 
 
-CLASSES = (FOOTWORK_OT_use_active_rig, FOOTWORK_OT_reset_roles)
+class FOOTWORK_OT_keep_roles(FootworkOperator, bpy.types.Operator):
+    """Keep this role map as a bone map in your own folder: rigs and takes with such names are known in every scene"""
+
+    bl_idname = "footwork.keep_roles"
+    bl_label = "Keep as Bone Map"
+    bl_options = {"REGISTER"}
+
+    @classmethod
+    def refusal(cls, context: bpy.types.Context) -> str:
+        rig = footwork_of(context.scene).rig
+        if rig is None:
+            return "Pick a rig first"
+        missing = [role for role in RIG_ROLES if not armature.role_map(rig).get(role)]
+        return f"Set a bone for {missing[0]} first" if missing else ""
+
+    def work(self, context: bpy.types.Context) -> None:
+        rig = footwork_of(context.scene).rig
+        wanted = {role: bone for role, bone in armature.role_map(rig).items() if bone}
+        path = keep_preset(KIND, rig.name, family_of(rig.name, wanted))
+        self.tell("INFO", f"{path}: kept for every scene")
+        found = {role: bone for role, bone in armature.detected_roles(rig).items() if bone}
+        other = [role for role in wanted if found.get(role) != wanted[role]]
+        if other:
+            self.tell("WARNING", f"{rig.name}: {other[0]} hangs as no limb does and stays this scene's own")
+
+
+CLASSES = (FOOTWORK_OT_use_active_rig, FOOTWORK_OT_reset_roles, FOOTWORK_OT_keep_roles)

@@ -6,6 +6,10 @@ from typing import Any
 
 import bpy
 
+from ..bridge.importing import read_scene_take
+from ..core.mocap.answers import NO_ANSWERS, TakeAnswers
+from ..core.mocap.take import Take
+from ..core.mocap.takes import load_take
 from ..properties.scene import footwork_of
 from .base import FootworkOperator
 
@@ -60,6 +64,20 @@ def active(rows: Any, index: int) -> Any:
 def listed(text: str) -> list[str]:
     """The parts of a text that are separated by commas."""
     return [part.strip() for part in text.split(",") if part.strip()]
+
+
+def answers_of(row: Any) -> TakeAnswers:
+    """What was said by hand of a take's file."""
+    return TakeAnswers(
+        unit="" if row.unit == "AUTO" else row.unit,
+        up="" if row.up == "AUTO" else row.up,
+        rate=row.rate or None,
+    )
+
+
+def read_take(path: str, answers: TakeAnswers = NO_ANSWERS, fps: float | None = None) -> Take:
+    """A take from a file of any kind; InputError where it is none."""
+    return load_take(path, fps, answers, read_scene_take)
 
 
 def told(source: Any) -> tuple[str, str]:

@@ -13,13 +13,16 @@ from ..bridge.lookup import keep_scene
 from ..core.database.contact_edits import ContactEdit
 from ..core.errors import InputError
 from ..core.jobs import Job
-from ..core.mocap.takes import load_take
+from ..core.mocap.answers import NO_ANSWERS, TakeAnswers
+from ..core.mocap.containers import SUFFIXES
 from ..properties.scene import FOOTWORK_PG_scene, footwork_of
 from . import paths, rows
 from .base import FootworkOperator
 from .contacts import contacts_to_show, edits_of_row
 from .job_operator import JobOperator
 from .rows import RowOperator
+
+_GLOB = ";".join(f"*{suffix}" for suffix in SUFFIXES)
 
 
 class FOOTWORK_OT_add_takes(FootworkOperator, ImportHelper, bpy.types.Operator):
@@ -31,7 +34,7 @@ class FOOTWORK_OT_add_takes(FootworkOperator, ImportHelper, bpy.types.Operator):
 
     directory: StringProperty(subtype="DIR_PATH", options={"SKIP_SAVE", "HIDDEN"})
     files: CollectionProperty(type=bpy.types.OperatorFileListElement, options={"SKIP_SAVE", "HIDDEN"})
-    filter_glob: StringProperty(default="*.bvh", options={"HIDDEN"})
+    filter_glob: StringProperty(default=_GLOB, options={"HIDDEN"})
     filename_ext = ".bvh"
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
@@ -73,7 +76,13 @@ class FOOTWORK_OT_inspect_takes(JobOperator, bpy.types.Operator):
         self._scene = keep_scene(context.scene)
         self.kept = (self._scene,)
         takes = footwork_of(context.scene).takes
-        return _inspect([bpy.path.abspath(t.path) for t in takes if self.which == "ALL" or t.state == "NEW"])
+        return _inspect(
+            [
+                (bpy.path.abspath(take.path), rows.answers_of(take))
+                for take in takes
+                if self.which == "ALL" or take.state == "NEW"
+            ]
+        )
 
     def finish(self, context: bpy.types.Context, result: Any) -> None:
         faults = 0
@@ -87,12 +96,12 @@ class FOOTWORK_OT_inspect_takes(JobOperator, bpy.types.Operator):
         self.tell("INFO", f"{len(result)} takes read" + (f", {faults} cannot be used" if faults else ""))
 
 
-def _inspect(paths):
+def _inspect(asked):
     results = {}
-    for number, path in enumerate(paths):
-        yield number / len(paths), Path(path).name
+    for number, (path, answers) in enumerate(asked):
+        yield number / len(asked), Path(path).name
         try:
-            take = load_take(path)
+            take = rows.read_take(path, answers)
         except InputError as error:
             results[path] = ("FAULT", 0.0, "", str(error))
             continue
@@ -149,7 +158,7 @@ class FOOTWORK_OT_import_take(FootworkOperator, ImportHelper, bpy.types.Operator
 
     directory: StringProperty(subtype="DIR_PATH", options={"SKIP_SAVE", "HIDDEN"})
     files: CollectionProperty(type=bpy.types.OperatorFileListElement, options={"SKIP_SAVE", "HIDDEN"})
-    filter_glob: StringProperty(default="*.bvh", options={"HIDDEN"})
+    filter_glob: StringProperty(default=_GLOB, options={"HIDDEN"})
     filename_ext = ".bvh"
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
@@ -161,7 +170,7 @@ class FOOTWORK_OT_import_take(FootworkOperator, ImportHelper, bpy.types.Operator
         footwork = footwork_of(scene)
         shown = []
         for path in paths.chosen(self):
-            take = load_take(path)
+            take = rows.read_take(path, _answers_of(footwork, path))
             contacts = contacts_to_show(take, footwork, scene_fps(scene), _edits_of(footwork, path))
             shown.append((take, contacts, paths.stored(path)))
         for take, contacts, file in shown:
@@ -180,10 +189,19 @@ def _select_only(context: bpy.types.Context, obj: bpy.types.Object) -> None:
     context.view_layer.objects.active = obj
 
 
+def _row_of(footwork: FOOTWORK_PG_scene, path: str) -> Any:
+    """The row of a file in the list of takes; None where it is not in it."""
+    return next((row for row in footwork.takes if paths.absolute(row.path) == paths.absolute(path)), None)
+
+
 def _edits_of(footwork: FOOTWORK_PG_scene, path: str) -> list[ContactEdit]:
-    """The edited contacts of a file that is in the list of takes; none where it is not."""
-    known = [row for row in footwork.takes if paths.absolute(row.path) == paths.absolute(path)]
-    return edits_of_row(known[0]) if known else []
+    row = _row_of(footwork, path)
+    return [] if row is None else edits_of_row(row)
+
+
+def _answers_of(footwork: FOOTWORK_PG_scene, path: str) -> TakeAnswers:
+    row = _row_of(footwork, path)
+    return NO_ANSWERS if row is None else rows.answers_of(row)
 
 
 class FOOTWORK_FH_takes(bpy.types.FileHandler):
@@ -192,7 +210,7 @@ class FOOTWORK_FH_takes(bpy.types.FileHandler):
     bl_idname = "FOOTWORK_FH_takes"
     bl_label = "Footwork: Add to Takes"
     bl_import_operator = "footwork.add_takes"
-    bl_file_extensions = ".bvh"
+    bl_file_extensions = ";".join(SUFFIXES)
 
     @classmethod
     def poll_drop(cls, context: bpy.types.Context) -> bool:
@@ -205,7 +223,7 @@ class FOOTWORK_FH_import_take(bpy.types.FileHandler):
     bl_idname = "FOOTWORK_FH_import_take"
     bl_label = "Footwork: Import as Armature"
     bl_import_operator = "footwork.import_take"
-    bl_file_extensions = ".bvh"
+    bl_file_extensions = ";".join(SUFFIXES)
 
     @classmethod
     def poll_drop(cls, context: bpy.types.Context) -> bool:

@@ -19,9 +19,14 @@ from ..core.bounds import REPORT_BYTES
 from ..core.errors import InputError
 from ..core.jobs import Job
 from ..core.json_text import parse_json
+from ..core.mocap.answers import NO_ANSWERS, TakeAnswers
+from ..core.mocap.bvh import write_bvh
+from ..core.mocap.containers import container_of
+from ..core.mocap.export import to_bvh
 from ..core.staging import recover
 from ..nn.settings import TrainSettings
 from ..properties.preferences import preferences_of
+from .rows import read_take
 
 PACKAGE_FOLDER = Path(__file__).parents[1]
 GET_TORCH = "-m pip install torch"
@@ -125,8 +130,12 @@ def flags_of(settings: TrainSettings) -> list[str]:
     return flags
 
 
-def train(python: str, takes: Sequence[str], output: Path, settings: TrainSettings) -> Job[dict]:
+def train(
+    python: str, takes: Sequence[tuple[str, TakeAnswers]], output: Path, settings: TrainSettings
+) -> Job[dict]:
     """Train on takes in a process of its own; closing the generator ends that, and its checkpoint stays.
+
+    Takes that only Blender reads, or of which something was said by hand, are handed over as BVH.
 
     Yields the fraction done and the last line said, with loss and held-out error.
 
@@ -138,6 +147,10 @@ def train(python: str, takes: Sequence[str], output: Path, settings: TrainSettin
     """
     with tempfile.TemporaryDirectory() as folder:
         log, report = Path(folder) / "log", Path(folder) / "report.json"
+        files: list[str] = []
+        for number, (path, answers) in enumerate(takes):
+            yield 0.0, f"Reading {Path(path).name}"
+            files.append(_as_bvh(path, answers, Path(folder) / str(number)))
         arguments = ["train-predictor", "-o", str(output.absolute()), *flags_of(settings)]
         with log.open("wb") as sink:
             process = subprocess.Popen(
@@ -152,7 +165,7 @@ def train(python: str, takes: Sequence[str], output: Path, settings: TrainSettin
                     "--json",
                     str(report),
                     "--",
-                    *takes,
+                    *files,
                 ],
                 stdin=subprocess.DEVNULL,
                 stdout=sink,
@@ -176,6 +189,19 @@ def train(python: str, takes: Sequence[str], output: Path, settings: TrainSettin
         if process.returncode != 0:
             raise InputError(_fault(log) or f"training ended with code {process.returncode}; try again")
         return parse_json(report.read_bytes(), REPORT_BYTES)
+
+
+def _as_bvh(path: str, answers: TakeAnswers, folder: Path) -> str:
+    """A file that any Python reads as it stands: the take's own, or a BVH of its motion in a new folder."""
+    # what cannot be read the training says itself
+    found = container_of(path) if Path(path).is_file() else None
+    if answers == NO_ANSWERS and (found is None or found.read is not None):
+        return path
+    take = read_take(path, answers)
+    folder.mkdir()
+    made = folder / f"{take.name}.bvh"
+    write_bvh(made, to_bvh(take.motion, take.name))
+    return str(made)
 
 
 def progress(line: str, fraction: float, message: str) -> tuple[float, str]:

@@ -46,6 +46,7 @@ class FOOTWORK_PT_rig(Part, bpy.types.Panel):
             text.notes(context, layout, doubt)
         header, body = layout.panel("FOOTWORK_role_map", default_closed=True)
         header.label(text="Role Map")
+        header.operator("footwork.keep_roles", text="", icon="FILE_TICK", emboss=False)
         header.operator("footwork.reset_roles", text="", icon="LOOP_BACK", emboss=False)
         if body:
             _role_map(body, rig)

@@ -46,13 +46,23 @@ class FOOTWORK_PT_takes(Part, bpy.types.Panel):
         take = active(footwork.takes, footwork.take_index)
         if take is None:
             text.notes(
-                context, layout, "Add motion-capture files (.bvh), or drop them into the viewport", "INFO"
+                context,
+                layout,
+                "Add motion-capture files (BVH, MVNX, FBX, glTF), or drop them into the viewport",
+                "INFO",
             )
             return
         found, body = layout.panel("FOOTWORK_take_found", default_closed=True)
         found.label(text="In This Take")
         if body:
             text.facts(context, body, take.found)
+            reading = body.column()
+            reading.use_property_split = True
+            reading.use_property_decorate = False
+            for name in ("unit", "up", "rate"):
+                reading.prop(take, name)
+            if take.state == "NEW":
+                reading.operator("footwork.inspect_takes", text="Read Again", icon="FILE_REFRESH")
             body.prop(take, "leave_out", placeholder="seconds, such as 0-1.5, 30-32")
             body.prop(take, "contacts", placeholder="such as L:planted:1.2-1.65")
             body.operator("footwork.use_edited_contacts", icon="ACTION")

@@ -3,7 +3,19 @@
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
 
+from ..core.bounds import TAKE_RATE
+from ..core.mocap.answers import STATED_UNITS
 from .file_path import file_path
+
+_UNITS = {
+    "m": "Metres",
+    "dm": "Decimetres",
+    "cm": "Centimetres",
+    "mm": "Millimetres",
+    "in": "Inches",
+    "CMU": "CMU's Units of 5.64 cm",
+    "ft": "Feet",
+}
 
 STATES = [
     ("NEW", "Not read", "Not read yet", "QUESTION", 0),
@@ -24,9 +36,39 @@ class Row:
     doubts: StringProperty(name="Doubts", description="What should be looked at, a line each")
 
 
+def _forget(self: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
+    """What was found belongs to the way in which the file was read."""
+    setattr(self, "state", "NEW")  # noqa: B010
+
+
 class FOOTWORK_PG_take(Row, bpy.types.PropertyGroup):
     """A take in the list."""
 
+    unit: EnumProperty(
+        name="Unit",
+        description="Unit of the file's lengths",
+        items=[
+            ("AUTO", "As the Body Tells", "Chosen by a person's size"),
+            *((unit, _UNITS[unit], f"Lengths are in {_UNITS[unit]}") for unit in STATED_UNITS),
+        ],
+        update=_forget,
+    )
+    up: EnumProperty(
+        name="Up",
+        description="The file's axis that points up",
+        items=[
+            ("AUTO", "As the Body Tells", "Chosen by where head and feet are"),
+            *((axis, axis, f"{axis} points up") for axis in "XYZ"),
+        ],
+        update=_forget,
+    )
+    rate: FloatProperty(
+        name="Rate",
+        description="Frames per second of the file, in place of what it says; 0 for that",
+        min=0.0,
+        max=TAKE_RATE[1],
+        update=_forget,
+    )
     leave_out: StringProperty(
         name="Leave Out",
         description='Seconds that stay out of the database, such as "0-1.5, 30-32"; "90-" is up to the end',

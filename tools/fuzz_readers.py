@@ -54,6 +54,7 @@ from footwork.nn.predictor import headset_forward, load_predictor, predict
 from footwork.nn.train.checkpoint import Checkpoint, Progress, read_checkpoint, write_checkpoint
 from footwork.nn.weights import Predictor, save_predictor
 from fuzz_changes import change_json, change_npz, change_replay, change_text
+from fuzz_mvnx import format_mvnx
 from fuzz_verbs import WITH_BPY
 
 Change = Callable[[random.Random, bytes], bytes]
@@ -376,6 +377,15 @@ def readers(folder: Path) -> list[Reader]:
             "bvh",
             ".bvh",
             content("t.bvh"),
+            change_text,
+            lambda path: load_take(path, 30.0),
+            carry_take,
+            TAKE_VERBS,
+        ),
+        Reader(
+            "mvnx",
+            ".mvnx",
+            format_mvnx(MOTION).encode(),
             change_text,
             lambda path: load_take(path, 30.0),
             carry_take,

@@ -60,6 +60,8 @@ class BvhFile:
     file: str
     """File name as given; "" for one that was not read."""
     sha256: str
+    zero_is_a_frame: bool = False
+    """Whether the zero pose is but one of the motion's own poses, and no pose that the skeleton was made in."""
     doubts: tuple[str, ...] = ()
     """What is odd about the file, and was read all the same."""
 
@@ -67,8 +69,18 @@ class BvhFile:
         return len(self.values)
 
 
-def read_bvh(path: str | os.PathLike[str]) -> BvhFile:
+def recognise(head: bytes) -> bool:
+    """Whether the start of a file is that of a BVH file, in whatever text encoding."""
+    text = head.removeprefix(b"\xef\xbb\xbf").replace(b"\0", b"").lstrip(b"\xff\xfe \t\r\n")
+    return text[:9].upper() == b"HIERARCHY"
+
+
+def read_bvh(path: str | os.PathLike[str], rate: float | None = None) -> BvhFile:
     """Read a BVH file.
+
+    Args:
+        path: the file.
+        rate: frames per second, in place of the file's.
 
     Raises:
         InputError: the file is missing, not BVH, or broken; names the line.
@@ -78,7 +90,7 @@ def read_bvh(path: str | os.PathLike[str]) -> BvhFile:
         with Path(path).open("rb") as stream:
             start = stream.read(_SNIFF)
             if start.startswith(_UTF16):
-                return parse_bvh(_as_utf8(start + stream.read(), name), name)
+                return parse_bvh(_as_utf8(start + stream.read(), name), name, rate)
             _check_start(start, name)
             while len(start) < (header_end(start) or _HEADER_LIMIT):
                 more = stream.read(len(start))
@@ -86,7 +98,7 @@ def read_bvh(path: str | os.PathLike[str]) -> BvhFile:
                     break
                 start += more
             # parsed before the rest is read: a header that is noise, or a body far too long, ends here
-            header = parse_header(start, name)
+            header = parse_header(start, name, rate)
             size = os.fstat(stream.fileno()).st_size
             if size - header.body > _NUMBER_LIMIT * (header.columns + 1) * (header.frames + 1000):
                 raise InputError(
@@ -108,14 +120,14 @@ def _as_utf8(data: bytes, file: str) -> bytes:
         raise InputError(f"{file}: line 1: not UTF-16 text, though it begins so; save it as UTF-8") from None
 
 
-def parse_bvh(data: bytes, file: str) -> BvhFile:
-    """A BVH file from its bytes; `file` is the name used in messages.
+def parse_bvh(data: bytes, file: str, rate: float | None = None) -> BvhFile:
+    """A BVH file from its bytes; `file` is the name used in messages, `rate` as for `read_bvh`.
 
     Raises:
         InputError: not BVH, or broken; names the line.
     """
     _check_start(data[:_SNIFF], file)
-    return _build(data, parse_header(data, file), file)
+    return _build(data, parse_header(data, file, rate), file)
 
 
 def write_bvh(path: str | os.PathLike[str], bvh: BvhFile) -> None:

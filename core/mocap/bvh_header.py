@@ -60,18 +60,19 @@ class Header:
         return sum(map(len, self.channels))
 
 
-def parse_header(data: bytes, file: str) -> Header:
+def parse_header(data: bytes, file: str, rate: float | None = None) -> Header:
     """Read everything before the rows.
 
     Args:
         data: the file's bytes, at least up to the line with the frame time.
         file: name for messages.
+        rate: frames per second, whatever the frame time says.
 
     Raises:
         InputError: broken; names the line.
     """
     # latin-1 keeps one character for each byte, so positions are byte positions; names are decoded later
-    return _Scanner(data[: header_end(data)].decode("latin-1"), file).header()
+    return _Scanner(data[: header_end(data)].decode("latin-1"), file, rate).header()
 
 
 def header_end(data: bytes) -> int | None:
@@ -83,9 +84,10 @@ def header_end(data: bytes) -> int | None:
 class _Scanner:
     """Goes through the statements of a hierarchy, minding the braces."""
 
-    def __init__(self, text: str, file: str) -> None:
+    def __init__(self, text: str, file: str, rate: float | None) -> None:
         self.text = text
         self.file = file
+        self.rate = rate
         self.at = 3 if text.startswith("ï»¿") else 0  # the byte order mark, read as latin-1
         self.result = Header()
         self.open: list[int] = []
@@ -218,16 +220,19 @@ class _Scanner:
         found = _FRAME_TIME.match(self.text, self.at)
         if found is None:
             raise self.fault("Frame Time: is missing after Frames:; export the file anew", self.skip())
-        result.frame_time = self.number(found[1], self.skip())
+        stated = self.rate is not None
+        result.frame_time = 1.0 / self.rate if self.rate is not None else self.number(found[1], self.skip())
         if result.frame_time <= 0.0:
             raise self.fault(
-                f"Frame Time: {found[1]} is not a positive number of seconds; correct it", self.skip()
+                f"Frame Time: {found[1]} is not a positive number of seconds; say the rate: --rate N",
+                self.skip(),
             )
-        if not FRAME_TIME[0] <= result.frame_time <= FRAME_TIME[1]:
+        if not stated and not FRAME_TIME[0] <= result.frame_time <= FRAME_TIME[1]:
             time = result.frame_time
-            rate = f": as frames per second write {1.0 / time:.7f}" if 10.0 <= time <= 1000.0 else ""
+            rate = f"{time:g}" if 10.0 <= time <= 1000.0 else "N"
             raise self.fault(
-                f"Frame Time: {found[1]} is no time between two frames; correct it{rate}", self.skip()
+                f"Frame Time: {found[1]} is no time between two frames; say the rate: --rate {rate}",
+                self.skip(),
             )
         result.body = found.end()
         result.body_line = self.line(result.body)

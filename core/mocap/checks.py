@@ -28,6 +28,8 @@ _UPRIGHT = np.cos(np.radians(45.0))
 """Height of the hips' unit up vector from which a body counts as upright."""
 _STILL_M, _STEP_M = 0.002, 0.03
 """Metres within which hips stay that an export put in place, and beyond which a foot has moved."""
+_NEAR_FLOOR = 0.15
+"""Metres for a person of 1.7 m: who touches the floor has a joint below that."""
 _HIPS_JUMP = 0.06
 """Metres that hips may be thrown between two frames, beyond what they did before and after."""
 
@@ -123,6 +125,14 @@ def in_place(motion: Motion) -> bool:
     feet = [motion.skeleton.joint(f"foot.{side}") for side in SIDES]
     ways: Array = np.ptp(motion.forward()[0][:, feet], axis=0)
     return float(ways.max()) > _STEP_M
+
+
+def in_the_air(motion: Motion) -> float:
+    """The longest time in seconds for which no joint is near the floor: who jumps is back within one."""
+    least = _NEAR_FLOOR * motion.skeleton.leg_length() / 0.85
+    low = np.flatnonzero(motion.forward()[0][..., 2].min(axis=1) <= least)
+    gaps = np.diff(np.concatenate([[-1], low, [len(motion)]])) - 1
+    return float(gaps.max() / motion.fps)
 
 
 def walking_aside(motion: Motion) -> tuple[float, float]:

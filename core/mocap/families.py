@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ..body.skeleton import ARM, LEG, REQUIRED_ROLES, SIDES
+from ..body.skeleton import ARM, LEG, REQUIRED_ROLES, SIDES, SPINE
+from ..errors import InputError
 from ..presets import Presets, check_keys, check_text, check_texts, load_presets, read_preset
 
 KIND = "bone_maps"
 """Sub-folder of the presets."""
 _NAMED_ROLES = ("hips", "neck", "head", *ARM, *LEG)
 """Roles a family names; the spine follows from the hierarchy unless the family lists it."""
+_SIDED_ROLES = tuple(f"{part}.{side}" for part in (*ARM, *LEG) for side in SIDES)
+"""Roles of one side, for names that have no word for sides."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +42,8 @@ def read_family(path: str | os.PathLike[str]) -> NamingFamily:
     """Read a bone map, a JSON file as the ones that ship.
 
     It has `name`, `sides` (left, right), and `joints`: for each role a name, or names in order of preference, with
-    `{side}` in place of the side. Optional: `spine` and `constrained`, see `NamingFamily`.
+    `{side}` in place of the side, or for a role of one side ("hand.L") its own. Optional: `spine` and `constrained`,
+    see `NamingFamily`.
 
     Raises:
         InputError: unreadable, not JSON or not a bone map.
@@ -51,15 +56,39 @@ def reduce_name(name: str) -> str:
     return re.sub(r"[\W_]+", "", re.split(r"[:|]", name)[-1]).lower()
 
 
+def family_of(name: str, roles: Mapping[str, str]) -> dict[str, Any]:
+    """A bone map, as its file has it, of bones as they are called: role -> name.
+
+    Raises:
+        InputError: a role that a body needs is missing, or two bones differ by nothing that counts.
+    """
+    chain = [roles[role] for role in SPINE if roles.get(role)]
+    named = {role: bone for role, bone in roles.items() if bone and role not in SPINE}
+    content: dict[str, Any] = {"name": name, "sides": ["Left", "Right"], "joints": named}
+    if chain:
+        content["spine"] = chain
+    try:
+        _parse(content)
+    except ValueError as error:
+        raise InputError(f"{name}: {error}; complete the role map") from None
+    return content
+
+
 def _parse(content: Any) -> NamingFamily:
     data = check_keys(content, ("name", "sides", "joints"), ("spine", "constrained"))
     left_right = check_texts(data["sides"], "'sides'", count=2)
     names: dict[str, tuple[str, ...]] = {}
-    for role, given in check_keys(data["joints"], (), _NAMED_ROLES, "'joints'").items():
+    for role, given in check_keys(data["joints"], (), (*_NAMED_ROLES, *_SIDED_ROLES), "'joints'").items():
         templates = check_texts([given] if isinstance(given, str) else given, f"{role!r}")
-        if role in ARM or role in LEG:
+        if role in _SIDED_ROLES:
+            if role in names:
+                raise ValueError(f"{role!r} is named twice")
+            names[role] = tuple(map(reduce_name, templates))
+        elif role in ARM or role in LEG:
             if any("{side}" not in template for template in templates):
                 raise ValueError(f"{role!r} has a name without {{side}}")
+            if any(f"{role}.{letter}" in names for letter in SIDES):
+                raise ValueError(f"{role!r} is named twice")
             for letter, side in zip(SIDES, left_right, strict=True):
                 names[f"{role}.{letter}"] = tuple(reduce_name(t.replace("{side}", side)) for t in templates)
         else:

@@ -16,8 +16,8 @@ from .bvh import BvhFile, local_transforms
 
 Array = NDArray[np.floating[Any]]
 
-UNITS = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "inches": 0.0254, "CMU units (5.64 cm)": 0.0254 / 0.45}
-"""Length units of BVH files in metres."""
+UNITS = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "in": 0.0254, "CMU": 0.0254 / 0.45}
+"""Length units of takes in metres; CMU's own is 5.64 cm."""
 _STANDS = 0.75
 """Share of the line from feet to head along an axis from which on that axis surely is up."""
 _BODY_LENGTH = 1.5

@@ -1,4 +1,4 @@
-"""Takes: BVH files read into Footwork's one convention, with what was found in them and what is doubtful."""
+"""Takes: mocap files read into Footwork's one convention, with what was found in them and what is doubtful."""
 
 from __future__ import annotations
 
@@ -18,7 +18,9 @@ from ..bounds import BODY_LENGTH, BONE_SHARE, RESAMPLED_JOINT_FRAMES, RESAMPLED_
 from ..errors import InputError
 from ..maths import quat
 from . import checks
-from .bvh import BvhFile, read_bvh
+from .answers import NO_ANSWERS, STATED_UNITS, TakeAnswers
+from .bvh import BvhFile
+from .containers import SceneReader, container_of, read_container
 from .floor import SOLE, floor_height, is_floor, standing_height
 from .raw_body import UNITS, RawBody, find_unit, find_up, reduce_to_body, some_poses, with_toes
 from .roles import match_roles
@@ -28,7 +30,6 @@ from .typical import typical_pose
 
 Array = NDArray[np.floating[Any]]
 
-_LOOKED_AT = 512
 _POSES = 24
 """Frames in which the structure of an unknown skeleton is looked at."""
 _RATES = (5.0, 1000.0)
@@ -43,63 +44,70 @@ _THROWN = 6.0
 """m/s: a body that leaves a T-pose faster than this was put there by a program."""
 _LEAD_OUT_S = 0.1
 """Some converters smooth the jump from the T-pose over a few frames, no more than this."""
+_UP_AXES = {
+    "X": quat.from_axis("Y", np.pi / 2),
+    "Y": quat.from_axis("X", -np.pi / 2),
+    "Z": quat.IDENTITY,
+}
+"""What turns Blender's up to the axis of a file that points up."""
+_TALL = (1.0, 2.3)
+"""Metres that a person is tall."""
+_LENGTH_SHARE = 0.87
+"""Of a person's height: along thigh and shin and from the hips to the head."""
+_RARE_UNITS = ("dm", "in")
+_FLOATING = 0.3
+"""Metres over the file's ground at which no foot stands."""
+_LONGEST_JUMP = 1.0
+"""Seconds: one of 1.2 m high."""
 _SLIDE = 0.01
 """Metres that a joint may move against its parent before it is mentioned."""
 
 
 def is_take(path: str | os.PathLike[str]) -> bool:
-    """Whether a file is BVH, whatever its name; InputError where it cannot be read."""
-    if Path(path).is_dir():
-        return False
-    try:
-        with Path(path).open("rb") as stream:
-            head = stream.read(_LOOKED_AT)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); check its name and rights") from error
-    return (
-        head.removeprefix(b"\xef\xbb\xbf")
-        .replace(b"\0", b"")
-        .lstrip(b"\xff\xfe \t\r\n")
-        .upper()
-        .startswith(b"HIERARCHY")
-    )
+    """Whether a file is one of `CONTAINERS`, whatever its name; InputError where it cannot be read."""
+    return not Path(path).is_dir() and container_of(path) is not None
 
 
-def load_take(path: str | os.PathLike[str], fps: float | None = None) -> Take:
+def load_take(
+    path: str | os.PathLike[str],
+    fps: float | None = None,
+    answers: TakeAnswers = NO_ANSWERS,
+    scenes: SceneReader | None = None,
+) -> Take:
     """Read a mocap file into metres, Z up, T-pose at zero.
 
     Args:
-        path: a BVH file.
+        path: a file of one of `CONTAINERS`.
         fps: frames per second of the result; None keeps the file's rate.
+        answers: what a person says of the file; what is not said the file and the motion tell.
+        scenes: reads FBX and glTF; None where there is no Blender.
 
     Raises:
-        InputError: not a file of one humanoid's motion; says what is wrong.
+        InputError: not a file of one humanoid's motion; says what is wrong. With `answers.strict` also a doubt.
     """
-    return take_from_bvh(read_bvh(path), fps)
+    answers.check()
+    return take_from_bvh(read_container(path, answers.rate, scenes), fps, answers)
 
 
-def take_from_bvh(bvh: BvhFile, fps: float | None = None) -> Take:
+def take_from_bvh(bvh: BvhFile, fps: float | None = None, answers: TakeAnswers = NO_ANSWERS) -> Take:
     """As `load_take`, from a file that has been read already."""
     notes = _Notes(doubts=list(bvh.doubts))
-    body = _read_body(bvh, notes)
-    rate = frame_rate(bvh.frame_time)
-    if abs(1.0 / rate - bvh.frame_time) > _WRITTEN * bvh.frame_time:
-        notes.doubts.append(
-            f"the frame time {bvh.frame_time:g} s is taken for 1/{rate:g}, which it may be short for"
-        )
-    if not _RATES[0] <= rate <= _RATES[1]:
-        notes.doubts.append(f"{rate:g} frames per second are unlikely; check the file's frame time")
-    length = f"{len(bvh)} frames, {len(bvh) / rate:.1f} s"
-    notes.found["rate"] = f"{rate:g} fps (frame time {bvh.frame_time:g} s), {length}"
+    body = _read_body(bvh, answers, notes)
+    rate = answers.rate or _find_rate(bvh.frame_time, notes)
+    said = f"frame time {bvh.frame_time:g} s" if answers.rate is None else "as stated"
+    notes.found["rate"] = f"{rate:g} fps ({said}), {len(bvh)} frames, {len(bvh) / rate:.1f} s"
     cut, in_tpose = _first_frame(body, rate, notes)
-    tpose = _find_tpose(body, in_tpose, cut, rate, notes)
+    tpose = _find_tpose(body, in_tpose, cut, rate, notes, chance=bvh.zero_is_a_frame)
     motion = _on_floor(to_motion(body.frames(cut), tpose, rate), notes)
     _check(motion, cut, notes)
+    if answers.strict and notes.doubts:
+        raise InputError(f"{bvh.file}: {notes.doubts[0]}; this counts as a fault with --strict")
     if fps is not None and fps != rate:
         size = len(motion) * len(motion.skeleton)
         if size * fps / rate > max(RESAMPLED_JOINT_FRAMES, RESAMPLED_TIMES * size):
             raise InputError(
-                f"{bvh.file}: {rate:g} frames per second are too few to be brought to {fps:g}; check its frame time"
+                f"{bvh.file}: {rate:g} frames per second are too few to be brought to {fps:g}; check its frame time, "
+                "or say it with --rate"
             )
         motion = resample(motion, fps)
         notes.found["resampled"] = f"to {fps:g} fps, {len(motion)} frames"
@@ -111,6 +119,19 @@ def take_from_bvh(bvh: BvhFile, fps: float | None = None) -> Take:
         found=notes.found,
         doubts=tuple(notes.doubts),
     )
+
+
+def _find_rate(frame_time: float, notes: _Notes) -> float:
+    """Frames per second of a file, with what is doubtful about it."""
+    rate = frame_rate(frame_time)
+    if abs(1.0 / rate - frame_time) > _WRITTEN * frame_time:
+        notes.doubts.append(
+            f"the frame time {frame_time:g} s is taken for 1/{rate:g}, which it may be short for; "
+            f"say it: --rate {rate:g}"
+        )
+    if not _RATES[0] <= rate <= _RATES[1]:
+        notes.doubts.append(f"{rate:g} frames per second are unlikely; say the rate: --rate N")
+    return rate
 
 
 def frame_rate(frame_time: float) -> float:
@@ -147,7 +168,7 @@ class _Notes:
     doubts: list[str] = field(default_factory=list[str])
 
 
-def _read_body(bvh: BvhFile, notes: _Notes) -> RawBody:
+def _read_body(bvh: BvhFile, answers: TakeAnswers, notes: _Notes) -> RawBody:
     """The humanoid's joints in metres and Z up."""
     try:
         match = match_roles(bvh.names, bvh.parents, poses=lambda: some_poses(bvh, _POSES))
@@ -157,18 +178,9 @@ def _read_body(bvh: BvhFile, notes: _Notes) -> RawBody:
     notes.found["joint names"] = f"{match.family}, {known} of {len(bvh.names)} joints have a role"
     notes.doubts.extend(match.doubts)
     body, made = with_toes(reduce_to_body(bvh, match.roles))
-    unit, length = find_unit(body)
-    notes.found["unit"] = f"{unit} (thigh, shin and hips to head measure {length:.2f} m)"
-    if not 0.8 < length < 2.2:
-        notes.doubts.append(f"the body measures {length:.2f} m with {unit} as unit: not an adult's size")
-    _check_size(body, bvh.file, length, UNITS[unit])
-    up, share = find_up(body)
-    notes.found["up axis"] = up
-    if share < 0.6:
-        notes.doubts.append(
-            f"{up} is taken as up, but the head is above the feet along it for little of the time"
-        )
-    body = body.turned(quat.from_axis("X", np.pi / 2 if up == "Y" else 0.0), UNITS[unit])
+    metres = _find_unit(body, answers, bvh.file, notes)
+    up = _find_up(body, answers, notes)
+    body = body.turned(quat.conjugate(_UP_AXES[up]), metres)
     notes.found["axes"] = up
     if made:
         notes.found["toes"] = f"made at the ends of {' and '.join(made)}, which have none"
@@ -180,6 +192,44 @@ def _read_body(bvh: BvhFile, notes: _Notes) -> RawBody:
                 f"{name} slides by up to {100 * slide:.1f} cm on its parent; it is held at its median place"
             )
     return body
+
+
+def _find_unit(body: RawBody, answers: TakeAnswers, file: str, notes: _Notes) -> float:
+    """Metres of the file's unit, as stated or else as the body's size tells."""
+    unit, length = find_unit(body)
+    if answers.unit:
+        metres = STATED_UNITS[answers.unit]
+        unit, length = answers.unit, length / UNITS[unit] * metres
+    else:
+        metres = UNITS[unit]
+    stated = ", as stated" if answers.unit else ""
+    notes.found["unit"] = f"{unit} (thigh, shin and hips to head measure {length:.2f} m{stated})"
+    tall = length / _LENGTH_SHARE
+    if not _TALL[0] <= tall <= _TALL[1]:
+        ask = "check --unit" if answers.unit else "say the unit: --unit m, cm, in ..."
+        notes.doubts.append(
+            f"the body is about {tall:.2f} m tall with {unit} as unit: not an adult's size; {ask}"
+        )
+    elif not answers.unit and unit in _RARE_UNITS:
+        notes.doubts.append(
+            f"{unit} is a rare unit, taken since the body is {tall:.2f} m tall then; say it: --unit {unit}"
+        )
+    _check_size(body, file, length, metres)
+    return metres
+
+
+def _find_up(body: RawBody, answers: TakeAnswers, notes: _Notes) -> str:
+    """The file's axis that points up, as stated or else as the body tells."""
+    if answers.up:
+        notes.found["up axis"] = f"{answers.up}, as stated"
+        return answers.up
+    up, share = find_up(body)
+    notes.found["up axis"] = up
+    if share < 0.6:
+        notes.doubts.append(
+            f"{up} is taken as up, but the head is above the feet along it for little of the time; say it: --up {up}"
+        )
+    return up
 
 
 def _check_size(body: RawBody, file: str, length: float, metres: float) -> None:
@@ -230,18 +280,23 @@ def _first_frame(body: RawBody, fps: float, notes: _Notes) -> tuple[int, bool]:
     return cut, True
 
 
-def _find_tpose(body: RawBody, first_frame: bool, cut: int, fps: float, notes: _Notes) -> Array:
-    """Global rotations in T-pose, from the zero pose, a first frame in T-pose or the data."""
-    up = quat.conjugate(quat.from_axis("X", np.pi / 2 if notes.found.pop("axes") == "Y" else 0.0))
+def _find_tpose(
+    body: RawBody, first_frame: bool, cut: int, fps: float, notes: _Notes, *, chance: bool
+) -> Array:
+    """Global rotations in T-pose, from the zero pose, a first frame in T-pose or the data.
+
+    A zero pose that came about by chance, as one of the motion's own, is trusted as a T-pose alone.
+    """
+    up = _UP_AXES[notes.found.pop("axes")]
     zero = np.repeat(quat.conjugate(up)[None], len(body.names), axis=0)
     rest, positions = zero, body.pose(zero)
     source = "the file's zero pose"
-    lifted = lifted_arms(body.parents, body.roles, zero, positions)
+    lifted = None if chance else lifted_arms(body.parents, body.roles, zero, positions)
     if lifted is not None:
         rest, positions = lifted
     if lifted is not None and looks_like_tpose(body.roles, positions, NEAR):
         source = "the file's zero pose, its hanging arms lifted"
-    elif not looks_like_tpose(body.roles, positions, NEAR):
+    elif not looks_like_tpose(body.roles, positions, _TPOSE_FRAME if chance else NEAR):
         rest, positions = zero, body.pose(zero)
         source = "the data (the file's zero pose is none)"
         if len(body.positions) - cut < 2 and not first_frame:
@@ -274,6 +329,11 @@ def _on_floor(motion: Motion, notes: _Notes) -> Motion:
     stand = height if kept else SOLE
     what = "kept" if kept else f"moved {'up' if height < 0 else 'down'} to {100 * SOLE:.0f} cm"
     notes.found["floor"] = f"joints of standing feet are at {100 * height:.1f} cm, {what}"
+    if height > _FLOATING:
+        notes.doubts.append(
+            f"the feet stand {100 * height:.0f} cm over the file's ground and are moved down to it: "
+            "check --unit and --up, or leave out stairs and boxes"
+        )
     skeleton = motion.skeleton
     offsets = skeleton.offsets.copy()
     offsets[0, 2] = stand - standing_height(skeleton)
@@ -289,6 +349,11 @@ def _check(motion: Motion, cut: int, notes: _Notes) -> None:
     if checks.in_place(motion):
         notes.doubts.append(
             "the feet move, but the hips stay at one point: export it with its way, not in place"
+        )
+    elif (seconds := checks.in_the_air(motion)) > _LONGEST_JUMP:
+        notes.doubts.append(
+            f"for {seconds:.1f} s at a stretch no part of the body is near the floor: stairs or boxes, or hips without "
+            "their height; check --up and --unit"
         )
     if aside is not None:
         notes.found["hips forward"] += f"; toes point {np.degrees(aside):.0f} degrees off it{walked}"
@@ -309,9 +374,9 @@ def _check(motion: Motion, cut: int, notes: _Notes) -> None:
         notes.doubts.append(f"arms jump by more than 40 degrees in one frame, at {_frames(jumps)}")
     bad = checks.glitches(motion)
     if bad.any():
+        starts = np.flatnonzero(np.diff(bad.astype(np.int8), prepend=0) > 0)
         notes.doubts.append(
-            f"a limb moves as no limb does, at {_frames(np.flatnonzero(bad[1:] & ~bad[:-1]) + 1 + cut)}: "
-            "databases leave these stretches out"
+            f"a limb moves as no limb does, at {_frames(starts + cut)}: databases leave these stretches out"
         )
     jumps = checks.hips_jumps(motion) + cut
     if len(jumps):

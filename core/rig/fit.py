@@ -27,6 +27,8 @@ Array = NDArray[np.floating[Any]]
 
 _UPRIGHT = -0.35
 """Cosine between trunk and legs at rest: -1 for who stands, 0 for animals on four legs."""
+_DEEPEST_SOLE = 0.3
+"""Of a leg's length: no sole is farther under the joints of the feet."""
 _FACING = quat.from_yaw(np.pi)
 
 
@@ -75,7 +77,7 @@ def fit_rig(rig: Rig) -> RigFit:
     tips = _likely(roles, quat.rotate(straighten, quat.rotate(turn, _tips(rig, bones) * scale)))
     names = tuple(rig.bones[b] for b in bones)
     skeleton = Skeleton(names, parents, offsets, roles, tips)
-    offsets[0] = [0.0, 0.0, _hips_height(skeleton, float(rig.world[2, 3]), world_heads)]
+    offsets[0] = [0.0, 0.0, _hips_height(skeleton, float(rig.world[2, 3]), world_heads, rig.sole)]
     return RigFit(rig, skeleton, np.array(bones, np.intp), tpose, rest, turn, scale)
 
 
@@ -161,22 +163,26 @@ def _likely(roles: tuple[str, ...], tips: Array) -> Array:
     return np.where(straight[:, None], tips, 0.0)
 
 
-def _hips_height(skeleton: Skeleton, origin: float, world_heads: Array) -> float:
+def _hips_height(skeleton: Skeleton, origin: float, world_heads: Array, sole: float | None) -> float:
     """Height of the hips over the floor in T-pose, metres.
 
-    Characters are made standing on their object's origin, or on the world's floor with the object elsewhere:
-    the first of the two near which the feet are at rest is the floor. Else it is set below the feet by the
-    share of a leg that a foot joint usually is above its sole.
+    The soles of a rig's mesh stand on the floor. Without a mesh, or where it has none that can be, joints tell:
+    characters are made standing on their object's origin, or on the world's floor with the object elsewhere: the first
+    of the two near which the feet are at rest is the floor. Else it is set below the feet by the share of a leg that a
+    foot joint usually is above its sole.
 
     Args:
         skeleton: in T-pose, its hips at height 0.
         origin: height of the object in the world, metres.
         world_heads: `(J, 3)` joints at rest in the world's axes, seen from the object, metres.
+        sole: metres from the mesh's soles up to the joints of the feet; None without a mesh.
     """
     leg = skeleton.leg_length()
     part = "toe" if skeleton.find("toe.L") >= 0 and skeleton.find("toe.R") >= 0 else "foot"
     feet = [skeleton.joint(f"{part}.{side}") for side in SIDES]
     low, high, usual = (-0.01, 0.10, 0.03) if part == "toe" else (0.0, 0.25, 0.11)
+    if sole is not None and 0.0 <= sole <= _DEEPEST_SOLE * leg:
+        return sole - float(skeleton.tpose_positions()[feet, 2].mean())
     height = float(world_heads[feet, 2].mean())
     near = [h for h in (height, height + origin) if low * leg <= h <= high * leg]
     return (near[0] if near else usual * leg) - float(skeleton.tpose_positions()[feet, 2].mean())

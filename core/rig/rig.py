@@ -36,6 +36,8 @@ class Rig:
     """Whether the armature is this rig's mirror image in its X axis (see `core.rig.mirror`)."""
     absent: tuple[str, ...] = ()
     """Bones that stand in for what the armature does not have."""
+    sole: float | None = None
+    """Metres from the soles of its mesh up to the toe joints (ankles without toes) at rest; None without a mesh."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

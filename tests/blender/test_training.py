@@ -13,6 +13,7 @@ from types import SimpleNamespace
 import bpy
 import pytest
 from footwork.core.errors import InputError
+from footwork.core.mocap.answers import NO_ANSWERS
 from footwork.nn.settings import TrainSettings
 from footwork.nn.weights import read_predictor
 from footwork.operators import training
@@ -139,7 +140,7 @@ def test_progress_is_told_and_the_result_used(footwork, preferences, stand_in, t
     words = json.loads(said)
     assert all(word.endswith(".bvh") for word in words[words.index("--") + 1 :])
     assert not any(word.endswith(".bvh") for word in words[: words.index("--")])
-    told = list(training.train(stand_in(), ["a.bvh"], tmp_path / "x.npz", TrainSettings()))
+    told = list(training.train(stand_in(), [("a.bvh", NO_ANSWERS)], tmp_path / "x.npz", TrainSettings()))
     assert (0.9, "loss 0.2500, held out 6.50 degrees, best 6.50") in told
     assert (0.4, "loss 0.5000, held out 9.00 degrees, best 9.00") in told
     assert [fraction for fraction, _ in told] == sorted(fraction for fraction, _ in told)
@@ -187,7 +188,9 @@ def test_giving_up_ends_the_process_and_leaves_nothing(stand_in, tmp_path, monke
     scratch.mkdir()
     monkeypatch.setattr(training.tempfile, "tempdir", str(scratch))
     made = started(monkeypatch)
-    job = training.train(stand_in(end="time.sleep(60)"), ["a.bvh"], tmp_path / "x.npz", TrainSettings())
+    job = training.train(
+        stand_in(end="time.sleep(60)"), [("a.bvh", NO_ANSWERS)], tmp_path / "x.npz", TrainSettings()
+    )
     while next(job)[0] < 0.9:
         pass
     assert alive(made[0].pid) and list(scratch.iterdir())
@@ -216,7 +219,7 @@ def test_a_training_given_up_midway_leaves_its_checkpoint(footwork, demo, tmp_pa
     made = started(monkeypatch)
     settings = TrainSettings(epochs=10000)
     paths = [str(demo / f"{name}.bvh") for name in ("walk", "turn", "visit")]
-    job = training.train(sys.executable, paths, tmp_path / "x.npz", settings)
+    job = training.train(sys.executable, [(path, NO_ANSWERS) for path in paths], tmp_path / "x.npz", settings)
     limit = time.monotonic() + 60
     for _, message in job:
         assert time.monotonic() < limit
@@ -224,7 +227,12 @@ def test_a_training_given_up_midway_leaves_its_checkpoint(footwork, demo, tmp_pa
             break
     job.close()
     assert not alive(made[0].pid) and [path.name for path in tmp_path.iterdir()] == ["x.npz.training"]
-    going_on = training.train(sys.executable, paths, tmp_path / "x.npz", replace(settings, resume=True))
+    going_on = training.train(
+        sys.executable,
+        [(path, NO_ANSWERS) for path in paths],
+        tmp_path / "x.npz",
+        replace(settings, resume=True),
+    )
     for _, message in going_on:
         assert time.monotonic() < limit
         if "degrees" in message:

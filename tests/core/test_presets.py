@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 from footwork.core import presets
+from footwork.core.body.skeleton import REQUIRED_ROLES
 from footwork.core.bounds import PRESET_BYTES
 from footwork.core.errors import InputError
 from footwork.core.mocap import families
@@ -241,3 +242,24 @@ def test_files_that_are_given_count_before_all_others_for_a_time(tmp_path: Path,
     with presets.given_presets(families.KIND, [str(path)]):
         assert families.families().entries[0].name == "Given"
     assert all(entry.name != "Given" for entry in families.families().entries)
+
+
+def test_a_preset_that_is_kept_is_found_again(monkeypatch, tmp_path: Path) -> None:
+    monkeypatch.setenv(presets.VARIABLE, str(tmp_path))
+    roles = {role: f"bone {3 * number}" for number, role in enumerate((*REQUIRED_ROLES, "spine1", "chest"))}
+    path = presets.keep_preset(families.KIND, "my/rig", families.family_of("my/rig", roles))
+    assert path.parent == tmp_path / families.KIND
+    found = families.families().entries[0]
+    assert found.name == "my/rig" and found.names["hand.R"] == (roles["hand.R"].replace(" ", ""),)
+    presets.keep_preset(families.KIND, "my/rig", families.family_of("my/rig", roles | {"head": "top"}))
+    assert families.families().entries[0].names["head"] == ("top",) and not families.families().skipped
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [({"head": ""}, "no head"), ({"head": "bone_0"}, "same name"), ({"hips": "--"}, "without letters")],
+)
+def test_a_map_that_would_say_nothing_is_not_kept(change: dict[str, str], words: str) -> None:
+    roles = {role: f"bone {3 * number}" for number, role in enumerate(REQUIRED_ROLES)}
+    with pytest.raises(InputError, match=words):
+        families.family_of("mine", roles | change)

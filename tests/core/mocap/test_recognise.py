@@ -213,7 +213,7 @@ def test_odd_files_are_read(tmp_path: Path, change, doubt: str) -> None:
     [
         (lambda data: data.replace(b".", b","), "decimal commas"),
         (lambda data: data[: data.index(b"Frames")] + b"Frames: 0\nFrame Time: 0.02\n", "no frames"),
-        (lambda data: data.replace(b"Frame Time: 0.016666666666666666", b"Frame Time: 60"), "0.0166667"),
+        (lambda data: data.replace(b"Frame Time: 0.016666666666666666", b"Frame Time: 60"), "--rate 60"),
     ],
 )
 def test_faults_of_files_are_named(tmp_path: Path, change, words: str) -> None:

@@ -21,6 +21,11 @@ CENTRE = ("hips", "spine1", "spine2", "spine3", "chest", "neck", "head")
 LIMBS = ("clavicle", "upper_arm", "forearm", "hand", "thigh", "shin", "foot", "toe")
 # hips to head ("" for none, extra joints in between have role ""), then left limbs with {s} for the side
 TABLE = {
+    "Xsens MVN": (
+        "Pelvis L5 L3 T12 T8 Neck Head",
+        "{s}Shoulder {s}UpperArm {s}ForeArm {s}Hand {s}UpperLeg {s}LowerLeg {s}Foot {s}Toe",
+        "Left Right",
+    ),
     "Xsens": (
         "Hips Chest Chest2 Chest3 Chest4 Neck Head",
         "{s}Collar {s}Shoulder {s}Elbow {s}Wrist {s}Hip {s}Knee {s}Ankle {s}Toe",

@@ -11,6 +11,7 @@ from footwork.core.body.edit import cut, mirror, resample
 from footwork.core.body.motion import Motion
 from footwork.core.errors import InputError
 from footwork.core.maths import quat
+from footwork.core.mocap.answers import TakeAnswers
 from footwork.core.mocap.bvh import BvhFile, read_bvh, write_bvh
 from footwork.core.mocap.checks import toes_aside
 from footwork.core.mocap.demo import demo_motion
@@ -64,7 +65,7 @@ def test_what_is_exported_is_read_back(walk: Motion, file: BvhFile, tmp_path: Pa
     assert take.found["hips forward"].startswith("+Z of the unturned hips")
 
 
-@pytest.mark.parametrize(("unit", "scale"), [("m", 0.01), ("mm", 10.0), ("inches", 1 / 2.54), ("cm", 1.0)])
+@pytest.mark.parametrize(("unit", "scale"), [("m", 0.01), ("mm", 10.0), ("in", 1 / 2.54), ("cm", 1.0)])
 def test_units(walk: Motion, file: BvhFile, unit: str, scale: float):
     values = file.values.copy()
     values[:, :3] *= scale
@@ -87,6 +88,62 @@ def test_a_giant_raises_a_doubt(file: BvhFile):
     values[:, :3] *= 2.0
     take = take_from_bvh(replace(file, values=values, offsets=file.offsets * 2.0))
     assert any("not an adult's size" in doubt for doubt in take.doubts)
+
+
+def scaled(file: BvhFile, size: float) -> BvhFile:
+    values = file.values.copy()
+    values[:, :3] *= size
+    return replace(file, values=values, offsets=file.offsets * size, end_sites=file.end_sites * size)
+
+
+def test_answers_take_the_place_of_guesses(walk: Motion, file: BvhFile):
+    giant = take_from_bvh(scaled(file, 2.0))
+    (doubt,) = (doubt for doubt in giant.doubts if "tall" in doubt)
+    assert "--unit" in doubt
+    # a body in halves of a centimetre has no name; in inches it would be another size
+    said = take_from_bvh(file, answers=TakeAnswers(unit="in", up="Y", rate=24.0))
+    assert said.motion.fps == 24.0 and said.found["up axis"] == "Y, as stated"
+    assert said.motion.skeleton.leg_length() == pytest.approx(2.54 * walk.skeleton.leg_length())
+    assert_same(take_from_bvh(file, answers=TakeAnswers(unit="cm", up="Y")).motion, walk)
+
+
+@pytest.mark.parametrize(("scale", "unit"), [(0.1, "dm"), (1.0 / 2.54, "in")])
+def test_rare_units_are_doubted_and_confirmed(file: BvhFile, scale: float, unit: str):
+    take = take_from_bvh(scaled(file, scale))
+    assert any(f"--unit {unit}" in doubt for doubt in take.doubts)
+    assert take_from_bvh(scaled(file, scale), answers=TakeAnswers(unit=unit)).doubts == ()
+
+
+def test_doubts_are_errors_when_asked_for(file: BvhFile):
+    assert take_from_bvh(file, answers=TakeAnswers(strict=True)).doubts == ()
+    with pytest.raises(InputError, match="--strict"):
+        take_from_bvh(scaled(file, 0.1), answers=TakeAnswers(strict=True))
+
+
+def test_takes_that_float_are_doubted(file: BvhFile):
+    up = file.channels[0].index("Yposition")
+    values = file.values.copy()
+    values[:, up] += 70.0
+    doubts = take_from_bvh(replace(file, values=values)).doubts
+    assert any("over the file's ground" in doubt and "--up" in doubt for doubt in doubts)
+    values = file.values.copy()
+    values[len(values) // 2 :, up] += 40.0
+    doubts = take_from_bvh(replace(file, values=values)).doubts
+    assert any("near the floor" in doubt for doubt in doubts)
+
+
+@pytest.mark.parametrize("said", [{"unit": "ell"}, {"up": "W"}, {"rate": 0.0}, {"rate": 1e9}])
+def test_answers_that_cannot_be_are_refused(tmp_path, file: BvhFile, said: dict):
+    write_bvh(tmp_path / "a.bvh", file)
+    with pytest.raises(InputError, match=f"--{next(iter(said))}"):
+        load_take(tmp_path / "a.bvh", answers=TakeAnswers(**said))
+
+
+def test_a_stated_rate_reads_a_file_whose_frame_time_is_none(tmp_path, file: BvhFile):
+    write_bvh(tmp_path / "a.bvh", replace(file, frame_time=30.0))
+    with pytest.raises(InputError, match="--rate 30"):
+        load_take(tmp_path / "a.bvh")
+    assert load_take(tmp_path / "a.bvh", answers=TakeAnswers(rate=30.0)).motion.fps == 30.0
 
 
 def test_z_up_files(walk: Motion, file: BvhFile):

@@ -294,3 +294,12 @@ def test_bones_whose_end_nothing_tells_are_short_and_point_where_such_bones_do(w
             wanted[f"{end}.{side}"] = np.array([0.0, -0.1 * leg, 0.0])
         for role, vector in wanted.items():
             np.testing.assert_allclose(along[rig.roles.index(role)], vector, atol=1e-9, err_msg=role)
+
+
+@pytest.mark.parametrize(("sole", "counts"), [(0.062, True), (0.0, True), (-0.1, False), (0.6, False)])
+def test_the_soles_of_a_mesh_stand_on_the_floor(sole: float, counts: bool) -> None:
+    rig = placed(rig_from_skeleton(SKELETON, "rig"))
+    plain, shod = (fit_rig(each).skeleton.tpose_positions()[:, 2] for each in (rig, replace(rig, sole=sole)))
+    toes = [SKELETON.joint("toe.L"), SKELETON.joint("toe.R")]
+    wanted = sole if counts else plain[toes].mean()
+    assert shod[toes].mean() == pytest.approx(wanted, abs=1e-9)
