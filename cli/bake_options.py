@@ -17,7 +17,7 @@ from typing import Any, NoReturn
 from ..core.errors import FaultError, InputError
 from ..core.settings import BakeSettings
 from .answers import add_answers
-from .options import InputPath, add_bone_map, add_database, add_settings
+from .options import InputPath, add_bone_map, add_database, add_limits, add_settings
 
 Said = Mapping[str, Any]
 
@@ -53,13 +53,7 @@ def add_bake_options(parser: argparse.ArgumentParser) -> None:
         help="make the scene's range that of the bake (default: unless the rig is in a .blend, which keeps its range "
         "and gets the bake from the range's first frame on)",
     )
-    parser.add_argument(
-        "--fail-if",
-        action="append",
-        default=[],
-        metavar="CONDITION",
-        help='end with code 3 where a metric is so, as in "foot_skate_cm_s.mean > 2"; may be repeated',
-    )
+    add_limits(parser)
     parser.add_argument(
         "--settings",
         type=InputPath,

@@ -12,7 +12,7 @@ from ..core.transaction import Transaction
 from .answers import add_take_answers
 from .common import choose_predictor, each, load_databases, load_takes, needing, read_report, run, say, tell
 from .experiments import add_experiments
-from .options import InputPath, OutputFolder, add_database, add_settings, read_settings
+from .options import InputPath, OutputFolder, add_database, add_limits, add_settings, read_settings
 from .report_folder import CERTAIN, write_folder
 from .verb import Report, Verb
 
@@ -52,13 +52,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FOLDER",
         help="write report.html, report.json and the figures here (figures need matplotlib)",
     )
-    parser.add_argument(
-        "--fail-if",
-        action="append",
-        default=[],
-        metavar="CONDITION",
-        help='end with code 3 where a metric is so, as in "foot_skate_cm_s.mean > 2"; may be repeated',
-    )
+    add_limits(parser)
     parser.add_argument(
         "--against", type=InputPath, metavar="REPORT.json", help="compare with an earlier report"
     )

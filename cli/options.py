@@ -99,6 +99,17 @@ def add_bone_map(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_limits(parser: argparse.ArgumentParser) -> None:
+    """Add `--fail-if`."""
+    parser.add_argument(
+        "--fail-if",
+        action="append",
+        default=[],
+        metavar="CONDITION",
+        help='end with code 3 where a metric is so, as in "foot_skate_cm_s.mean > 2"; may be repeated',
+    )
+
+
 def add_output(
     parser: argparse.ArgumentParser, metavar: str, help: str, *beside: str, others: tuple[str, ...] = ()
 ) -> None:

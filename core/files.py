@@ -57,6 +57,18 @@ def explained(path: str | os.PathLike[str]) -> Generator[None]:
         raise InputError(f"{path}: cannot be written ({reason}); free the place or choose another") from error
 
 
+def first_bytes(path: str | os.PathLike[str], most: int) -> bytes:
+    """A file's bytes, `most` + 1 of a larger one; InputError where it cannot be read."""
+    try:
+        with Path(path).open("rb") as file:
+            # asked for more, Python would take memory for as much
+            return file.read(min(os.fstat(file.fileno()).st_size, most) + 1)
+    except OSError as error:
+        raise InputError(
+            f"{path}: cannot be read ({error.strerror or error}); check its name and rights"
+        ) from error
+
+
 def sha256_of(path: str | os.PathLike[str]) -> str:
     """The SHA-256 of a file's bytes, 64 hexadecimal digits; InputError where it cannot be read."""
     try:

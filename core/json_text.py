@@ -7,7 +7,6 @@ import math
 import os
 import re
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 
 from .bounds import JSON_BYTES, JSON_DEPTH, JSON_DIGITS
 from .errors import FaultError, InputError
+from .files import first_bytes
 
 _CHUNK = 1 << 20
 _STEPS = np.zeros(256, np.int8)
@@ -73,16 +73,9 @@ def read_json(path: str | os.PathLike[str], what: str, most: int = JSON_BYTES) -
         InputError: it cannot be read or is larger.
         FaultError: it is no JSON; says what and where.
     """
-    try:
-        if not Path(path).is_file():
-            raise InputError(f"{path}: not a file; a {what} is a JSON file")
-        with Path(path).open("rb") as file:
-            # asked for more, Python would take memory for as much
-            content = file.read(min(os.fstat(file.fileno()).st_size, most) + 1)
-    except OSError as error:
-        raise InputError(
-            f"{path}: cannot be read ({error.strerror or error}); check its name and rights"
-        ) from error
+    if not os.path.isfile(path):  # noqa: PTH113 - Path.is_file raises where a name is too long
+        raise InputError(f"{path}: not a file; a {what} is a JSON file")
+    content = first_bytes(path, most)
     if len(content) > most:
         raise InputError(f"{path}: larger than {most // 1_000_000} MB; no {what} is")
     return parse_json(content, most)

@@ -6,10 +6,10 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty
 from ..core.bounds import RECORDING_RATE
 from ..core.recording.reading.answers import ROTATIONS
 from ..core.recording.reading.scores import COMMON, EVERY, UNITS
+from .units import unit_property
 
-_UNITS = {"m": "Metres", "cm": "Centimetres", "mm": "Millimetres", "ft": "Feet", "in": "Inches"}
 _AXES = [
-    ("AUTO", "As the Movement Tells", "Chosen by what a person can do"),
+    ("AUTO", "Automatic", "The choice that shows how a person moves"),
     *((axes, f"{name} ({axes})", f"x, y and z point {axes}") for axes, name in COMMON.items()),
     *((axes, axes, f"x, y and z point {axes}") for axes in EVERY if axes not in COMMON),
 ]
@@ -30,20 +30,12 @@ class FOOTWORK_PG_reading(bpy.types.PropertyGroup):
         items=_AXES,
         update=_forget,
     )
-    unit: EnumProperty(
-        name="Unit",
-        description="Unit of the file's positions",
-        items=[
-            ("AUTO", "As the Movement Tells", "Chosen by a person's size"),
-            *((unit, _UNITS[unit], f"Positions are in {_UNITS[unit].lower()}") for unit in UNITS),
-        ],
-        update=_forget,
-    )
+    unit: unit_property(UNITS, _forget)
     rotation: EnumProperty(
         name="Rotation",
         description="How the file writes rotations",
         items=[
-            ("AUTO", "As the Movement Tells", "Chosen by what a person can do"),
+            ("AUTO", "Automatic", "The choice that shows how a person moves"),
             *((name, name, f"Rotations are {name}") for name in ROTATIONS),
         ],
         update=_forget,

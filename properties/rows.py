@@ -6,16 +6,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
 from ..core.bounds import TAKE_RATE
 from ..core.mocap.answers import STATED_UNITS
 from .file_path import file_path
-
-_UNITS = {
-    "m": "Metres",
-    "dm": "Decimetres",
-    "cm": "Centimetres",
-    "mm": "Millimetres",
-    "in": "Inches",
-    "CMU": "CMU's Units of 5.64 cm",
-    "ft": "Feet",
-}
+from .units import unit_property
 
 STATES = [
     ("NEW", "Not read", "Not read yet", "QUESTION", 0),
@@ -44,27 +35,19 @@ def _forget(self: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
 class FOOTWORK_PG_take(Row, bpy.types.PropertyGroup):
     """A take in the list."""
 
-    unit: EnumProperty(
-        name="Unit",
-        description="Unit of the file's lengths",
-        items=[
-            ("AUTO", "As the Body Tells", "Chosen by a person's size"),
-            *((unit, _UNITS[unit], f"Lengths are in {_UNITS[unit]}") for unit in STATED_UNITS),
-        ],
-        update=_forget,
-    )
+    unit: unit_property(STATED_UNITS, _forget)
     up: EnumProperty(
         name="Up",
         description="The file's axis that points up",
         items=[
-            ("AUTO", "As the Body Tells", "Chosen by where head and feet are"),
+            ("AUTO", "Automatic", "The axis along which head and feet lie"),
             *((axis, axis, f"{axis} points up") for axis in "XYZ"),
         ],
         update=_forget,
     )
     rate: FloatProperty(
         name="Rate",
-        description="Frames per second of the file, in place of what it says; 0 for that",
+        description="Frames per second of the file; 0 takes the rate that the file states",
         min=0.0,
         max=TAKE_RATE[1],
         update=_forget,

@@ -15,6 +15,7 @@ from typing import Any, cast
 
 from ..bounds import TABLE_BYTES
 from ..errors import FaultError, InputError
+from ..files import first_bytes
 from ..json_text import read_json
 from ..recording.formats import suffixes
 from ..staging import is_staging
@@ -157,13 +158,7 @@ def _rows(path: Path) -> list[tuple[str, Mapping[str, Any]]]:
 
 
 def _text(path: Path) -> str:
-    try:
-        with path.open("rb") as file:
-            content = file.read(min(os.fstat(file.fileno()).st_size, TABLE_BYTES) + 1)
-    except OSError as error:
-        raise InputError(
-            f"{path}: cannot be read ({error.strerror or error}); check its name and rights"
-        ) from error
+    content = first_bytes(path, TABLE_BYTES)
     if len(content) > TABLE_BYTES:
         raise FaultError(f"larger than {TABLE_BYTES // 1_000_000} MB")
     try:

@@ -60,6 +60,9 @@ class Figures:
     fit: Array
     """`(3,)` share of each tracker's movement that its turns about such a point explain: high where rotations are read
     right."""
+    turned: float
+    """Mean angle, radians, of the trackers' turns from the first to the second sample: angles that are put together in
+    a wrong order turn further than the device did. 0 where nothing turns."""
     below: Array
     """`(3,)` share of the time that the hands are on the negative side of the head along a world axis."""
     walk: Array
@@ -132,6 +135,7 @@ def measure(moments: Moments, rotation: str, hands: str) -> Figures:
         hands: where positions of hands are, as in `Reading`.
     """
     turns = [_unit(to_quaternions(values, rotation)) for values in moments.values]
+    turned = _turned(moments, turns)
     positions, turns = in_world(moments.positions, turns, hands)
     axes = [quat.to_matrix(turn[0]) for turn in turns]
     known = moments.known & moving(moments)
@@ -148,6 +152,7 @@ def measure(moments: Moments, rotation: str, hands: str) -> Figures:
         lever=np.stack([lever for lever, _, _ in levers]),
         lever_spread=np.array([spread for _, spread, _ in levers]),
         fit=np.array([fit for _, _, fit in levers]),
+        turned=turned,
         below=_below(positions[0], known),
         walk=walk,
         walked=walked,
@@ -169,6 +174,16 @@ def in_world(positions: Array, turns: list[Array], hands: str) -> tuple[Array, l
 
 def _unit(q: Array) -> Array:
     return quat.normalize(np.nan_to_num(q))
+
+
+def _turned(moments: Moments, turns: list[Array]) -> float:
+    """Mean angle between the two samples of all trackers that are known, radians."""
+    angles = [
+        2.0 * np.arccos(np.clip(np.abs((turn[0] * turn[1]).sum(-1)), 0.0, 1.0))[moments.known[:, i]]
+        for i, turn in enumerate(turns)
+    ]
+    every: Array = np.concatenate(angles)
+    return float(every.mean()) if every.size else 0.0
 
 
 def _flat(vectors: Array, up: int) -> Array:

@@ -43,6 +43,10 @@ _CAMERA = "RUB"
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "ft": 0.3048, "in": 0.0254}
 _FIT = 12.0
 """Points for movement that turns explain whole: a tenth more of it is no accident in a few hundred moments."""
+_TURN = 30.0
+"""Points for turns that are shorter by a factor e: those of the right order of angles are nearly always shortest."""
+_LEAST_TURN = 1e-4
+"""Radians: less is noise."""
 _HEAD_LEVER, _HAND_LEVER = 0.08, 0.3
 """Metres from the neck forward to a headset, from an elbow to a controller."""
 
@@ -143,7 +147,7 @@ def score(seen: Seen, figures: Figures, metres: float) -> float:
     if not math.isnan(seen.hand_lever):
         total += 3.0 * _bounded(seen.hand_lever / (0.5 * _HAND_LEVER), 1.0)
         total += 1.0 * seen.pointing
-    total += _FIT * seen.fit
+    total += _FIT * seen.fit - _TURN * math.log(max(figures.turned, _LEAST_TURN))
     total += 3.0 * seen.walk * min(1.0, figures.walked * metres / 2.0)
     return total + _unit_points(seen.height, seen.reach)
 
