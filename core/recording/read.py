@@ -15,7 +15,7 @@ from ..presets import user_folder
 from . import layouts
 from .cut import cut
 from .eye_height import calibrate, looking_ahead, put_down
-from .formats import UNKNOWN, formats
+from .formats import formats
 from .happenings import in_words
 from .mounts import DEVICE_MOUNTS
 from .raw import RawRecording
@@ -58,13 +58,11 @@ def read_recording(path: str | os.PathLike[str], answers: Answers = NO_ANSWERS) 
     digest = hashlib.sha256(content).hexdigest()
     content = unpacked(content, str(path))
     plain = plain_table(content)
-    known = formats()
-    form = next((form for form in known if form.recognise(plain if form.table else content)), None)
+    form = next((form for form in formats() if form.recognise(plain if form.table else content)), None)
     if form is None:
-        names = ", ".join(form.name for form in known if form not in UNKNOWN)
         raise InputError(
-            f"{path}: no known recording format; known are {names}; "
-            f"for another table: {user_folder(layouts.KIND)}{layouts.layouts().note}"
+            f"{path}: no known recording format: no position and rotation of a headset is found by their names; name "
+            f"them head, left and right, or describe the table in {user_folder(layouts.KIND)}{layouts.layouts().note}"
         )
     raw = form.read(plain if form.table else content, str(path))
     return to_recording(raw, str(path), digest, answers)
