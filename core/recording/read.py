@@ -43,6 +43,26 @@ def read_recording(path: str | os.PathLike[str], answers: Answers = NO_ANSWERS) 
         content = joined(Path(path))
         raw = columns.read(content, str(path))
         return to_recording(raw, str(path), hashlib.sha256(content).hexdigest(), answers)
+    content = content_of(path)
+    digest = hashlib.sha256(content).hexdigest()
+    content = unpacked(content, str(path))
+    plain = plain_table(content)
+    form = next((form for form in formats() if form.recognise(plain if form.table else content)), None)
+    if form is None:
+        raise InputError(
+            f"{path}: no known recording format: no position and rotation of a headset is found by their names; name "
+            f"them head, left and right, or describe the table in {user_folder(layouts.KIND)}{layouts.layouts().note}"
+        )
+    raw = form.read(plain if form.table else content, str(path))
+    return to_recording(raw, str(path), digest, answers)
+
+
+def content_of(path: str | os.PathLike[str]) -> bytes:
+    """A recording's file as it is.
+
+    Raises:
+        InputError: it cannot be read, is empty, or larger than any recording.
+    """
     try:
         with Path(path).open("rb") as stream:
             # asked for so many bytes, Python would take memory for as many
@@ -55,17 +75,7 @@ def read_recording(path: str | os.PathLike[str], answers: Answers = NO_ANSWERS) 
         raise InputError(f"{path}: larger than {RECORDING_BYTES // 1_000_000} MB; cut the recording")
     if not content.strip():
         raise InputError(f"{path}: the file is empty; record again")
-    digest = hashlib.sha256(content).hexdigest()
-    content = unpacked(content, str(path))
-    plain = plain_table(content)
-    form = next((form for form in formats() if form.recognise(plain if form.table else content)), None)
-    if form is None:
-        raise InputError(
-            f"{path}: no known recording format: no position and rotation of a headset is found by their names; name "
-            f"them head, left and right, or describe the table in {user_folder(layouts.KIND)}{layouts.layouts().note}"
-        )
-    raw = form.read(plain if form.table else content, str(path))
-    return to_recording(raw, str(path), digest, answers)
+    return content
 
 
 def to_recording(
