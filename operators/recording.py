@@ -84,7 +84,7 @@ class FOOTWORK_OT_inspect_recording(RecordingOperator, bpy.types.Operator):
     bl_options = {"INTERNAL"}
 
     def work(self, context: bpy.types.Context) -> None:
-        _inspect(self, footwork_of(context.scene))
+        inspect(self, footwork_of(context.scene))
 
 
 class FOOTWORK_OT_show_recording(RecordingOperator, bpy.types.Operator):
@@ -132,10 +132,10 @@ def _load(operator: FootworkOperator, footwork: FOOTWORK_PG_scene, path: str) ->
     """Make a file the scene's recording, and read it."""
     footwork.recording_source = "FILE"
     footwork.recording_path = paths.stored(path)
-    _inspect(operator, footwork)
+    inspect(operator, footwork)
 
 
-def _inspect(operator: FootworkOperator, footwork: FOOTWORK_PG_scene) -> None:
+def inspect(operator: FootworkOperator, footwork: FOOTWORK_PG_scene) -> None:
     """Show what is found in the recording's file, or what is wrong with it."""
     try:
         recording = read_recording(bpy.path.abspath(footwork.recording_path), read_answers(footwork))

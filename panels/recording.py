@@ -66,6 +66,7 @@ def _reading(layout: bpy.types.UILayout, footwork: FOOTWORK_PG_scene) -> None:
         column.use_property_decorate = False
         for name in ("axes", "unit", "rotation", "rate", "swap_hands", "auto_trim", "force"):
             column.prop(footwork.reading, name)
+        column.operator("footwork.map_recording", icon="PRESET")
 
 
 def _eye_height(layout: bpy.types.UILayout, footwork: FOOTWORK_PG_scene) -> None:
