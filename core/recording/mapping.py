@@ -196,6 +196,8 @@ def _taken(found: Understood, count: int) -> list[str]:
     """What each of `count` columns was taken for."""
     out = [NOTHING] * count
     for tracker, pose in found.trackers.items():
+        if not tracker and "head" in found.trackers:
+            continue
         prefix = f"{tracker}." if tracker else ""
         for column, part in zip(
             (*pose.place, *pose.turn), ("px", "py", "pz", *_turn_parts(pose)), strict=True

@@ -15,9 +15,10 @@ from ..presets import user_folder
 from . import layouts
 from .cut import cut
 from .eye_height import calibrate, looking_ahead, put_down
+from .fitting import fitted
 from .formats import formats
 from .happenings import in_words
-from .mounts import DEVICE_MOUNTS
+from .mounts import DEVICE_MOUNTS, FITTED, SHAPES, shape_in, shape_of
 from .raw import RawRecording
 from .reading import columns
 from .reading.answers import NO_ANSWERS, Answers
@@ -96,10 +97,27 @@ def to_recording(
         InputError: no reading of them shows a person, too few of the headset's samples are usable, or a pause
             is too long.
     """
-    recording = repaired_recording(settle(raw, file, answers), file, sha256, answers.eye_height)
+    settled = _mounted(settle(raw, file, answers), answers)
+    recording = repaired_recording(settled, file, sha256, answers.eye_height)
     if answers.strict and recording.doubts:
         raise InputError(f"{file}: {recording.doubts[0]}; this counts as a fault with --strict")
     return _worn(recording) if answers.auto_trim else recording
+
+
+def _mounted(raw: RawRecording, answers: Answers) -> RawRecording:
+    """The recording with the mounts that a person says, or the file names, and what is said of them."""
+    device = shape_in(raw.found.get("device", ""))
+    if answers.mounts == FITTED:
+        shape, told = fitted(raw)
+        how = f"fitted to the movement ({told})" if told else "typical: the movement does not tell them"
+    elif answers.mounts:
+        shape, how = shape_of(answers.mounts), "as you say"
+    elif device and raw.mounts is DEVICE_MOUNTS:
+        shape, how = SHAPES[device], "named in the file"
+    else:
+        return raw
+    title = "" if shape.title in ("given", "fitted") else f"{shape.title}, "
+    return replace(raw, mounts=shape.mounts, found={**raw.found, "mounts": f"{title}{how}: {shape.numbers}"})
 
 
 def repaired_recording(
@@ -141,7 +159,12 @@ def _finish(raw: RawRecording, repaired: Repaired, given: float | None, file: st
         "rate": f"{(len(samples.times) - 1) / length:.1f} frames per second",
         "length": f"{length:.1f} s, {len(samples.times)} frames",
         "eye height": f"{calibration.eye_height:.2f} m, {calibration.source}",
-        "mounts": "typical of real devices" if raw.mounts is DEVICE_MOUNTS else "stated in the file",
+        "mounts": raw.found.get(
+            "mounts",
+            f"typical of real devices: {SHAPES['vive-wands'].numbers}"
+            if raw.mounts is DEVICE_MOUNTS
+            else "stated in the file",
+        ),
         "tracked": ", ".join(f"{name} {share:.1%}" for name, share in zip(TRACKERS, shares, strict=True)),
     }
     lift = np.array([0.0, 0.0, calibration.lift])

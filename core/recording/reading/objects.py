@@ -112,7 +112,14 @@ def _read_webxr(data: Mapping[str, Any], file: str) -> RawRecording:
         tracks = [_track(rows) for rows in (head, inputs["left"], inputs["right"])]
     except (KeyError, TypeError, ValueError, IndexError, OverflowError):
         raise InputError(f"{file}: a recording of WebXR inputs whose frames do not fit its schema") from None
-    return RawRecording((tracks[0], tracks[1], tracks[2]), {"format": "WebXR inputs (IWER)"}, reading=_WEBXR)
+    found = {"format": "WebXR inputs (IWER)"}
+    profiles: list[Any] = [kind.get("profiles") for _, kind in data["schema"]]
+    named = next(
+        (cast(list[Any], profile)[0] for profile in profiles if profile and isinstance(profile, list)), ""
+    )
+    if isinstance(named, str) and named:
+        found["device"] = named
+    return RawRecording((tracks[0], tracks[1], tracks[2]), found, reading=_WEBXR)
 
 
 def _grip(entry: Sequence[Any], grip: bool) -> Sequence[Any]:
