@@ -140,6 +140,10 @@ def _worn(recording: Recording) -> Recording:
 def _finish(raw: RawRecording, repaired: Repaired, given: float | None, file: str, sha256: str) -> Recording:
     """Calibrate the eye height and say what was found."""
     samples = repaired.samples
+    if not samples.valid[:, 0].any():
+        raise InputError(
+            f"{file}: the headset stays at one point while others move: it was not tracked; record it again"
+        )
     level = looking_ahead(samples, raw.mounts)
     calibration = calibrate(level, given, raw.eye_height, raw.on_floor)
     if not EYE_HEIGHT[0] <= calibration.eye_height <= EYE_HEIGHT[1]:

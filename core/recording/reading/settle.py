@@ -21,7 +21,7 @@ from ..recording import Array
 from .answers import NO_ANSWERS, Answers
 from .apply import applied
 from .mishaps import coarse, one_clock, unswapped
-from .plausibility import Figures, Moments, in_world, measure, take_moments
+from .plausibility import Figures, Moments, in_world, measure, moving, take_moments
 from .rotations import KINDS, kind_of, to_quaternions
 from .scores import COMMON, ORDERS, UNITS, Candidate, Seen, Span, best_unit, score, see, up_axis, worlds
 
@@ -37,6 +37,7 @@ _MOST_RADIANS = 7.0
 """Angles that are all smaller than this are radians."""
 _START = 0.5
 """Metres within which a headset stays that is told from where it starts."""
+_UNMOVED = "the headset stays at one point all the time: it was not worn, or not tracked"
 _SAME = 2.0
 """Degrees and centimetres within which two readings show the same."""
 
@@ -55,6 +56,10 @@ def settle(raw: RawRecording, file: str, answers: Answers = NO_ANSWERS) -> RawRe
     moments = take_moments(raw)
     if moments is None:
         return applied(raw, stated)
+    if not moving(moments)[0]:
+        if not answers.force and not {"axes", "rotation"} <= raw.stated | _said(answers):
+            raise InputError(f"{file}: {_UNMOVED}; record it again, or use --force")
+        return replace(applied(raw, stated), doubts=(*raw.doubts, _UNMOVED))
     search = _Search(raw, moments, stated, answers)
     given = search.candidate(stated)
     settled = raw.stated | _said(answers)

@@ -64,6 +64,18 @@ def test_mounts_are_fitted_where_turns_tell_them() -> None:
     assert shape.pitch == pytest.approx(25.0, abs=2.0)
 
 
+def test_a_headset_that_never_moves_is_told_as_that() -> None:
+    raw = turning(0.06, 25.0)
+    still = Track(raw.tracks[0].times, np.full((900, 3), 1.5), raw.tracks[0].rotations, raw.tracks[0].valid)
+    lying = RawRecording((still, *raw.tracks[1:]), {"format": "made"}, stated=frozenset())
+    with pytest.raises(InputError, match="stays at one point all"):
+        to_recording(lying, "f", "")
+    with pytest.raises(InputError, match="while others move"):
+        to_recording(lying, "f", "", Answers(force=True))
+    alone = RawRecording((still, still, still), {"format": "made"})
+    assert "stays at one point" in to_recording(alone, "f", "", Answers(force=True)).doubts[0]
+
+
 def test_who_walks_tells_nothing_of_mounts() -> None:
     raw = turning(0.06, 25.0)
     sway = np.random.default_rng(5).normal(size=(900, 3)).cumsum(axis=0) * 0.01
