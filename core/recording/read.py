@@ -58,6 +58,17 @@ def read_recording(path: str | os.PathLike[str], answers: Answers = NO_ANSWERS) 
     return to_recording(raw, str(path), digest, answers)
 
 
+def is_blend(path: str | os.PathLike[str]) -> bool:
+    """Whether a file is a Blender file by its content, or packed and called so."""
+    try:
+        with Path(path).open("rb") as stream:
+            head = stream.read(7)
+    except OSError:
+        return False
+    packed = head.startswith((b"\x28\xb5\x2f\xfd", b"\x1f\x8b")) and Path(path).suffix.lower() == ".blend"
+    return head == b"BLENDER" or packed
+
+
 def content_of(path: str | os.PathLike[str]) -> bytes:
     """A recording's file as it is.
 
