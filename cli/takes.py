@@ -45,7 +45,12 @@ def _inspect(options: argparse.Namespace, outputs: Transaction) -> Report:
             say(options, f"  {name:<16} {value}")
         for doubt in found.doubts:
             say(options, f"  doubtful         {doubt}")
-        return {"file": path, "sha256": found.sha256, "found": found.found, "doubts": list(found.doubts)}
+        report = {"file": path, "sha256": found.sha256, "found": found.found, "doubts": list(found.doubts)}
+        if hasattr(found, "extra"):
+            report["other_trackers"] = [
+                {"name": item.name, "tracked": float(item.valid.mean())} for item in found.extra
+            ]
+        return report
 
     report = {"files": each(options.files, look)}
     skipped = [*families().skipped, *layouts().skipped]

@@ -27,6 +27,7 @@ _PARTS: Mapping[str, Sequence[str]] = {
     "euler": ("rx", "ry", "rz"),
     "rotator": ANGLES,
     "matrix": tuple(part for part in PARTS if part[0] == "m"),
+    "none": (),
     "sixd": tuple(part for part in PARTS if part.startswith("sixd")),
 }
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
+from ...maths import quat
 from ..raw import STATED, Extra, RawRecording, Reading, Track
 from ..recording import TRACKERS, Array
 from ..table import columns_of, decode, read_columns
@@ -124,7 +125,7 @@ def to_raw(
             Track(
                 own.get(tracker, clock.times)[rows],
                 values[:, pose.place],
-                values[:, pose.turn],
+                values[:, pose.turn] if pose.turn else np.tile(quat.IDENTITY, (len(values), 1)),
                 np.ones(len(values), dtype=np.bool_),
             ),
         )
@@ -148,7 +149,11 @@ def to_raw(
         found={"format": name, **{key: text for key, text in known.items() if text}},
         reading=Reading(axes="RUF", metres=found.metres or 1.0, rotation=rotation),
         stated=frozenset(stated) & STATED,
-        extra=tuple(Extra(t, track) for t, track in same.items() if t and t not in TRACKERS),
+        extra=tuple(
+            Extra(t, track, "" if t in same else _usual(kinds[t]))
+            for t, track in tracks.items()
+            if t and t not in TRACKERS
+        ),
         counted=clock.counted,
         doubts=tuple(
             f"there are several poses of {tracker}: the one in {sheet.names[kinds[tracker].place[0]]!r} is read"
@@ -157,6 +162,13 @@ def to_raw(
         ),
     )
     return completed(raw, told.answers) if told else raw
+
+
+def _usual(pose: Columns) -> str:
+    """How rotations of a kind are usually written."""
+    if pose.kind == "none":
+        return "wxyz"
+    return "xyzw" if pose.kind == "quaternion" and not pose.ordered else KINDS[pose.kind][0]
 
 
 def _by_rows(pose: Columns, values: Array) -> Columns:

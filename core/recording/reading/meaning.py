@@ -223,7 +223,7 @@ class Columns:
     place: list[int] = field(default_factory=list[int])
     turn: list[int] = field(default_factory=list[int])
     kind: str = ""
-    """Of the rotation, as in `rotations.KINDS`, or "frame" where `turn` are three rows of four."""
+    """Of the rotation, as in `rotations.KINDS`, or "none"."""
     ordered: bool = True
     """Whether names tell the quaternion's w from the others."""
     last: list[int] = field(default_factory=list[int])
@@ -382,6 +382,10 @@ def understand(names: Sequence[str], said_of: Mapping[str, str] | None = None) -
                 for kind, parts in several[words].items():
                     kinds.setdefault(kind, parts)
             whole = [found for found in [_columns(kinds)] if found is not None]
+        if not whole and tracker not in ("", "head", "left", "right"):
+            # markers of motion capture have no rotation
+            places = [_places(parts.get("place", {})) for parts in several.values()]
+            whole = [Columns(found, [], "none") for found in places if found][:1]
         if whole:
             out.trackers[tracker] = whole[0]
         if len(whole) > 1 and tracker:
@@ -438,7 +442,7 @@ def _columns(kinds: dict[str, dict[str, int]]) -> Columns | None:
     if whole is not None:
         return whole
     place, turn = kinds.get("place", {}), kinds.get("turn", {})
-    places = _picked(place, "xyz") or _picked(place, "012")
+    places = _places(place)
     if not places:
         return None
     for order, kind, ordered in (
@@ -458,6 +462,10 @@ def _columns(kinds: dict[str, dict[str, int]]) -> Columns | None:
         if found:
             return Columns(places, found, kind)
     return None
+
+
+def _places(parts: dict[str, int]) -> list[int]:
+    return _picked(parts, "xyz") or _picked(parts, "012")
 
 
 def _whole(parts: dict[str, int]) -> Columns | None:

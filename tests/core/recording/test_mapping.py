@@ -195,3 +195,28 @@ def test_poses_are_told_in_words(walk) -> None:
     assert "upright by 0.9" in told["head"] or "upright by 1.0" in told["head"]
     assert "left" in told["left"]
     assert "below" in told["left"]
+
+
+def test_other_trackers_without_rotation_or_with_another_kind_are_kept(walk, tmp_path, capsys) -> None:
+    rows = rows_of(walk)
+    names = ["time", *(f"{t}_{p}" for t in TRACKERS for p in PARTS)]
+    names += (
+        [f"waist_p{a}" for a in "xyz"]
+        + [f"left_foot_p{a}" for a in "xyz"]
+        + [f"left_foot_r{a}" for a in "xyz"]
+    )
+    waist = walk.positions[:, 0] - (0.0, 0.0, 0.7)
+    foot = np.c_[waist * (1.0, 1.0, 0.1), np.tile([0.0, 0.0, 90.0], (len(walk), 1))]
+    path = tmp_path / "five.csv"
+    table = np.c_[rows, waist, foot]
+    np.savetxt(path, table, delimiter=",", header=",".join(names), comments="", fmt="%.7f")
+    found = read_recording(path, Answers(axes="RFU"))
+    assert [item.name for item in found.extra] == ["waist", "left foot"]
+    np.testing.assert_allclose(found.extra[0].positions, waist, atol=1e-4)
+    np.testing.assert_allclose(found.extra[0].rotations, np.tile([1.0, 0.0, 0.0, 0.0], (len(walk), 1)))
+    half = np.sqrt(0.5)
+    np.testing.assert_allclose(np.abs(found.extra[1].rotations[5]), [half, 0.0, 0.0, half], atol=1e-6)
+    assert main(["inspect", str(path), "--axes", "RFU", "--json", "-"]) == 0
+    shown = json.loads(capsys.readouterr().out)["files"][0]["other_trackers"]
+    assert [item["name"] for item in shown] == ["waist", "left foot"]
+    assert shown[0]["tracked"] == 1.0
