@@ -276,10 +276,10 @@ def named(long: bool) -> bytes:
     return "\n".join([";".join(["timestamp", *names]), *lines, ""]).encode()
 
 
-def one_device() -> bytes:
-    """The headset of the tracked walk in a table of its own, as folders have it."""
-    positions = TRACKED.positions[:, 0][:, (0, 2, 1)]
-    rotations = TRACKED.rotations[:, 0][:, (1, 3, 2, 0)] * (-1.0, -1.0, -1.0, 1.0)
+def one_device(tracker: int) -> bytes:
+    """A tracker of the walk in a table of its own, as folders have it."""
+    positions = TRACKED.positions[:, tracker][:, (0, 2, 1)]
+    rotations = TRACKED.rotations[:, tracker][:, (1, 3, 2, 0)] * (-1.0, -1.0, -1.0, 1.0)
     rows = np.c_[TRACKED.times, positions, rotations]
     lines = [",".join(f"{value:.6f}" for value in row) for row in rows]
     return "\n".join(["time,pos_x,pos_y,pos_z,rot_x,rot_y,rot_z,rot_w", *lines, ""]).encode()
@@ -290,8 +290,8 @@ def read_folder(path: Path) -> Recording:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         shutil.copy(path, folder / "head_T001.csv")
-        for hand in ("left", "right"):
-            (folder / f"{hand}hand_T001.csv").write_bytes(one_device())
+        for place, hand in enumerate(("left", "right"), 1):
+            (folder / f"{hand}hand_T001.csv").write_bytes(one_device(place))
         return read_recording(folder)
 
 
@@ -435,7 +435,7 @@ def readers(folder: Path) -> list[Reader]:
         recording("aframe", ".json", aframe(), change_json),
         recording("table", ".csv", named(long=False), change_text),
         recording("long table", ".csv", named(long=True), change_text),
-        Reader("folder", ".csv", one_device(), change_text, read_folder, carry_recording),
+        Reader("folder", ".csv", one_device(0), change_text, read_folder, carry_recording),
         Reader("map", ".json", MAP, change_json, read_map, carry_map),
         recording("messages", ".log", messages(), change_text),
         recording("objects", ".json", objects(), change_json),
