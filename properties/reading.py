@@ -81,7 +81,7 @@ class FOOTWORK_PG_reading(bpy.types.PropertyGroup):
         update=_forget,
     )
     controller_reach: FloatProperty(
-        name="Wrist to Controller",
+        name="From Wrist",
         description="From the wrist along the fingers to the controllers, metres",
         default=0.1,
         min=-0.1,
