@@ -59,11 +59,8 @@ def write_poses(path: str, folder: str) -> None:
 
 
 def _read(path: str) -> tuple[dict[str, Any], dict[str, Any]]:
-    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    import_scene(path)
     scene = bpy.context.scene
-    # keys of glTF files are in seconds: a fine grid keeps them
-    scene.render.fps, scene.render.fps_base = 60, 1.0
-    _import(path)
     armature, span, doubts = _moving_armature(path, scene)
     fps = scene_fps(scene)
     if span.step > 0.0:
@@ -87,8 +84,16 @@ def _is_fbx(path: str) -> bool:
         return stream.read(7) == b"Kaydara"
 
 
-def _import(path: str) -> None:
-    """Bring a file into the scene."""
+def import_scene(path: str) -> None:
+    """Bring a file into a scene of its own.
+
+    Raises:
+        InputError: Blender cannot read it.
+    """
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    scene = bpy.context.scene
+    # keys of glTF files are in seconds: a fine grid keeps them
+    scene.render.fps, scene.render.fps_base = 60, 1.0
     try:
         # importers print what they think at length
         with contextlib.redirect_stderr(io.StringIO()), contextlib.redirect_stdout(io.StringIO()):

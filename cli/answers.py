@@ -33,6 +33,12 @@ def add_answers(parser: argparse.ArgumentParser, what: str = "recordings") -> No
     )
     group.add_argument("--swap-hands", action="store_true", help="left and right controller change places")
     group.add_argument("--eye-height", type=float, metavar="M", help="standing eye height, m")
+    group.add_argument(
+        "--mounts",
+        default="",
+        metavar="M",
+        help="how devices sit: vive-wands, quest-touch, index, wmr, pico, hands, fitted, or AHEAD,ABOVE,REACH,DEGREES",
+    )
     group.add_argument("--force", action="store_true", help="go on with what can be no person")
     group.add_argument(
         "--auto-trim", action="store_true", help="leave out what follows the headset's being laid down"
@@ -74,6 +80,7 @@ def read_answers(options: argparse.Namespace) -> Answers:
         rotation=options.rotation,
         swap_hands=options.swap_hands,
         eye_height=options.eye_height,
+        mounts=options.mounts,
         strict=options.strict,
         force=options.force,
         auto_trim=options.auto_trim,

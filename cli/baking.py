@@ -15,7 +15,7 @@ from ..core.settings import BakeSettings
 from ..core.transaction import Transaction
 from .answers import read_answers
 from .bake_options import bake_defaults, part_of, setting_names
-from .common import choose_predictor, each, needing, tell
+from .common import choose_predictor, each, load_recording, needing, tell
 from .options import read_settings
 from .verb import Report
 
@@ -146,9 +146,8 @@ def _write_tracks(result: Any, paths: Sequence[str], outputs: Transaction) -> No
 def _read_recording(options: argparse.Namespace) -> Any:
     """The recording, or the part of it that is asked for."""
     from ..core.recording.cut import cut
-    from ..core.recording.read import read_recording
 
-    recording = read_recording(options.recording, read_answers(options))
+    recording = load_recording(options.recording, read_answers(options))
     part = part_of(options)
     return recording if part is None else cut(recording, *part)
 

@@ -90,6 +90,24 @@ def read_scene(path: str) -> Any:
     return read_scene_take(path)
 
 
+def load_recording(path: str, answers: Any) -> Any:
+    """A recording from a file or folder; from animated objects where Blender has to read it."""
+    from pathlib import Path
+
+    from ..core.mocap.containers import container_of
+    from ..core.recording.read import is_blend, read_recording
+
+    if not Path(path).is_dir():
+        container = container_of(path)
+        if is_blend(path) or (container is not None and container.read is None):
+            with needing(
+                "bpy", f"{path}: objects of scenes are read in Blender: run it there, or install bpy"
+            ):
+                from ..bridge.importing import read_scene_recording
+            return read_scene_recording(path, answers)
+    return read_recording(path, answers)
+
+
 def load_takes(options: argparse.Namespace, paths: Sequence[str], fps: float | None = None) -> list[Any]:
     """Takes, read as the flags say, with their doubts told on standard error."""
     from ..core.mocap.take import repeated

@@ -10,6 +10,7 @@ from .batch import BATCH
 from .compare import COMPARE_REPORTS
 from .database import BUILD_DATABASE, DATABASE_INFO
 from .evaluate import EVALUATE
+from .mapping import MAP
 from .options import OutputPath, add_bone_map
 from .predictor import EVALUATE_PREDICTOR, TRAIN_PREDICTOR
 from .takes import INSPECT, SIMULATE_RECORDING
@@ -17,6 +18,7 @@ from .verb import Verb
 
 VERBS = (
     INSPECT,
+    MAP,
     BUILD_DATABASE,
     DATABASE_INFO,
     TRAIN_PREDICTOR,

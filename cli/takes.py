@@ -5,9 +5,10 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+from ..core.errors import InputError
 from ..core.transaction import Transaction
 from .answers import add_answers, add_take_answers, read_answers, read_take_answers
-from .common import each, load_takes, read_scene, say, tell
+from .common import each, load_recording, load_takes, read_scene, say, tell
 from .options import InputPath, add_output
 from .verb import Report, Verb
 
@@ -22,12 +23,20 @@ def _inspect(options: argparse.Namespace, outputs: Transaction) -> Report:
     from ..core.mocap.families import families
     from ..core.mocap.takes import is_take, load_take
     from ..core.recording.layouts import layouts
-    from ..core.recording.read import read_recording
 
     def read(path: str) -> Any:
         if is_take(path):
-            return load_take(path, None, read_take_answers(options), read_scene)
-        return read_recording(path, read_answers(options))
+            try:
+                return load_take(path, None, read_take_answers(options), read_scene)
+            except InputError as error:
+                if "skeleton" not in str(error):
+                    raise
+                # objects that move may be trackers
+                try:
+                    return load_recording(path, read_answers(options))
+                except InputError:
+                    raise error from None
+        return load_recording(path, read_answers(options))
 
     def look(path: str) -> Report:
         found = read(path)
@@ -36,7 +45,12 @@ def _inspect(options: argparse.Namespace, outputs: Transaction) -> Report:
             say(options, f"  {name:<16} {value}")
         for doubt in found.doubts:
             say(options, f"  doubtful         {doubt}")
-        return {"file": path, "sha256": found.sha256, "found": found.found, "doubts": list(found.doubts)}
+        report = {"file": path, "sha256": found.sha256, "found": found.found, "doubts": list(found.doubts)}
+        if hasattr(found, "extra"):
+            report["other_trackers"] = [
+                {"name": item.name, "tracked": float(item.valid.mean())} for item in found.extra
+            ]
+        return report
 
     report = {"files": each(options.files, look)}
     skipped = [*families().skipped, *layouts().skipped]

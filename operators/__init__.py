@@ -4,7 +4,19 @@ from pathlib import Path
 
 import bpy
 
-from . import bake, contacts, databases, figures, job_operator, predictor, presets, recording, rig, takes
+from . import (
+    bake,
+    contacts,
+    databases,
+    figures,
+    job_operator,
+    mapping,
+    predictor,
+    presets,
+    recording,
+    rig,
+    takes,
+)
 
 SHIPPED_PRESETS = str(Path(__file__).parents[1])
 """Folder whose `presets` Blender looks through too."""
@@ -15,6 +27,7 @@ CLASSES = (
     *databases.CLASSES,
     *predictor.CLASSES,
     *recording.CLASSES,
+    *mapping.CLASSES,
     *rig.CLASSES,
     *bake.CLASSES,
     *figures.CLASSES,

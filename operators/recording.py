@@ -17,6 +17,7 @@ from ..core.recording.formats import suffixes
 from ..core.recording.read import read_recording
 from ..core.recording.reading.answers import Answers
 from ..core.recording.simulate import simulate_recording
+from ..properties.reading import FOOTWORK_PG_reading
 from ..properties.scene import FOOTWORK_PG_scene, footwork_of
 from . import paths
 from .base import FootworkOperator
@@ -38,9 +39,23 @@ def read_answers(footwork: FOOTWORK_PG_scene) -> Answers:
         rotation="" if reading.rotation == "AUTO" else reading.rotation,
         swap_hands=reading.swap_hands,
         eye_height=calibrated(footwork),
+        mounts=_mounts(reading),
         force=reading.force,
         auto_trim=reading.auto_trim,
     )
+
+
+def _mounts(reading: FOOTWORK_PG_reading) -> str:
+    """How devices sit, as `Answers` has it."""
+    if reading.mounts == "CUSTOM":
+        numbers = (
+            reading.headset_ahead,
+            reading.headset_above,
+            reading.controller_reach,
+            reading.controller_pitch,
+        )
+        return ",".join(f"{typed(value):g}" for value in numbers)
+    return "" if reading.mounts == "AUTO" else reading.mounts
 
 
 def wanted_part(footwork: FOOTWORK_PG_scene) -> tuple[float, float]:
@@ -84,7 +99,7 @@ class FOOTWORK_OT_inspect_recording(RecordingOperator, bpy.types.Operator):
     bl_options = {"INTERNAL"}
 
     def work(self, context: bpy.types.Context) -> None:
-        _inspect(self, footwork_of(context.scene))
+        inspect(self, footwork_of(context.scene))
 
 
 class FOOTWORK_OT_show_recording(RecordingOperator, bpy.types.Operator):
@@ -132,10 +147,10 @@ def _load(operator: FootworkOperator, footwork: FOOTWORK_PG_scene, path: str) ->
     """Make a file the scene's recording, and read it."""
     footwork.recording_source = "FILE"
     footwork.recording_path = paths.stored(path)
-    _inspect(operator, footwork)
+    inspect(operator, footwork)
 
 
-def _inspect(operator: FootworkOperator, footwork: FOOTWORK_PG_scene) -> None:
+def inspect(operator: FootworkOperator, footwork: FOOTWORK_PG_scene) -> None:
     """Show what is found in the recording's file, or what is wrong with it."""
     try:
         recording = read_recording(bpy.path.abspath(footwork.recording_path), read_answers(footwork))

@@ -64,8 +64,14 @@ def _reading(layout: bpy.types.UILayout, footwork: FOOTWORK_PG_scene) -> None:
         column = body.column()
         column.use_property_split = True
         column.use_property_decorate = False
-        for name in ("axes", "unit", "rotation", "rate", "swap_hands", "auto_trim", "force"):
+        for name in ("axes", "unit", "rotation", "rate", "swap_hands", "mounts"):
             column.prop(footwork.reading, name)
+        if footwork.reading.mounts == "CUSTOM":
+            for name in ("headset_ahead", "headset_above", "controller_reach", "controller_pitch"):
+                column.prop(footwork.reading, name)
+        for name in ("auto_trim", "force"):
+            column.prop(footwork.reading, name)
+        column.operator("footwork.map_recording", icon="PRESET")
 
 
 def _eye_height(layout: bpy.types.UILayout, footwork: FOOTWORK_PG_scene) -> None:

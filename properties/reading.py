@@ -4,6 +4,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty
 
 from ..core.bounds import RECORDING_RATE
+from ..core.recording.mounts import FITTED, SHAPES
 from ..core.recording.reading.answers import ROTATIONS
 from ..core.recording.reading.scores import COMMON, EVERY, UNITS
 from .units import unit_property
@@ -49,6 +50,52 @@ class FOOTWORK_PG_reading(bpy.types.PropertyGroup):
     )
     swap_hands: BoolProperty(
         name="Swap Hands", description="Left and right controller change places", update=_forget
+    )
+    mounts: EnumProperty(
+        name="Mounts",
+        description="How headset and controllers sit on head and hands",
+        items=[
+            ("AUTO", "Automatic", "As the file says, else typical of real devices"),
+            *((name, shape.title, shape.numbers) for name, shape in SHAPES.items()),
+            (FITTED, "Fitted", "As the movement tells, where it does"),
+            ("CUSTOM", "Custom", "By the numbers below"),
+        ],
+        update=_forget,
+    )
+    headset_ahead: FloatProperty(
+        name="Headset Ahead",
+        description="From the head joint forward to the headset, metres",
+        default=0.08,
+        min=-0.1,
+        max=0.3,
+        precision=3,
+        update=_forget,
+    )
+    headset_above: FloatProperty(
+        name="Headset Above",
+        description="From the head joint up to the headset, metres",
+        default=0.09,
+        min=-0.1,
+        max=0.3,
+        precision=3,
+        update=_forget,
+    )
+    controller_reach: FloatProperty(
+        name="From Wrist",
+        description="From the wrist along the fingers to the controllers, metres",
+        default=0.1,
+        min=-0.1,
+        max=0.3,
+        precision=3,
+        update=_forget,
+    )
+    controller_pitch: FloatProperty(
+        name="Controller Pitch",
+        description="By which controllers point above the fingers, degrees",
+        default=15.0,
+        min=-90.0,
+        max=90.0,
+        update=_forget,
     )
     auto_trim: BoolProperty(
         name="Trim the End",

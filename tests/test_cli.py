@@ -31,7 +31,7 @@ from footwork.nn.weights import save_predictor
 WITH_BPY = importlib.util.find_spec("bpy") is not None
 ROOT = Path(__file__).parents[1]
 DESIGNED = (
-    *("inspect", "build-database", "database-info", "train-predictor", "evaluate-predictor"),
+    *("inspect", "map", "build-database", "database-info", "train-predictor", "evaluate-predictor"),
     *("simulate-recording", "bake", "batch", "evaluate", "compare-reports"),
 )
 """The verbs that scripts rely on."""

@@ -10,6 +10,7 @@ import os
 import random
 import shutil
 import struct
+import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -44,6 +45,7 @@ from footwork.core.recording.csv_format import write_csv
 from footwork.core.recording.cut import cut
 from footwork.core.recording.layouts import TableLayout, read_layout
 from footwork.core.recording.read import read_recording, to_recording
+from footwork.core.recording.reading.kept import RecordingMap, check_said, read_map
 from footwork.core.recording.recording import Recording
 from footwork.core.recording.resample import resample
 from footwork.core.recording.simulate import simulate_recording
@@ -274,6 +276,44 @@ def named(long: bool) -> bytes:
     return "\n".join([";".join(["timestamp", *names]), *lines, ""]).encode()
 
 
+def one_device(tracker: int) -> bytes:
+    """A tracker of the walk in a table of its own, as folders have it."""
+    positions = TRACKED.positions[:, tracker][:, (0, 2, 1)]
+    rotations = TRACKED.rotations[:, tracker][:, (1, 3, 2, 0)] * (-1.0, -1.0, -1.0, 1.0)
+    rows = np.c_[TRACKED.times, positions, rotations]
+    lines = [",".join(f"{value:.6f}" for value in row) for row in rows]
+    return "\n".join(["time,pos_x,pos_y,pos_z,rot_x,rot_y,rot_z,rot_w", *lines, ""]).encode()
+
+
+def read_folder(path: Path) -> Recording:
+    """A folder with a changed table of the headset and sound ones of the hands."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        shutil.copy(path, folder / "head_T001.csv")
+        for place, hand in enumerate(("left", "right"), 1):
+            (folder / f"{hand}hand_T001.csv").write_bytes(one_device(place))
+        return read_recording(folder)
+
+
+MAP = json.dumps(
+    {
+        "name": "own",
+        "columns": ["a", "b", "c"],
+        "said": {"a": "time", "b": "head.px", "c": "nothing"},
+        "axes": "RUF",
+        "rate": 72.0,
+        "swap_hands": True,
+    }
+).encode()
+
+
+def carry_map(found: RecordingMap, path: Path) -> None:
+    """Every meaning can be told again, and the answers stand."""
+    for text in found.said.values():
+        check(check_said(text) == text, "a meaning is not kept as it is")
+    found.answers.check()
+
+
 def messages() -> bytes:
     """The tracked walk as messages of VMC."""
     positions = TRACKED.positions[..., (0, 2, 1)]
@@ -395,6 +435,8 @@ def readers(folder: Path) -> list[Reader]:
         recording("aframe", ".json", aframe(), change_json),
         recording("table", ".csv", named(long=False), change_text),
         recording("long table", ".csv", named(long=True), change_text),
+        Reader("folder", ".csv", one_device(0), change_text, read_folder, carry_recording),
+        Reader("map", ".json", MAP, change_json, read_map, carry_map),
         recording("messages", ".log", messages(), change_text),
         recording("objects", ".json", objects(), change_json),
         recording("bsor", ".bsor", replay(), change_replay),

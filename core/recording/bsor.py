@@ -50,13 +50,13 @@ def read_bsor(content: bytes, file: str) -> RawRecording:
 
 
 def _skip_info(content: bytes) -> tuple[int, str]:
-    """Offset of the section after the first, and the headset's name; struct.error or ValueError if broken."""
+    """Offset of the section after the first, and the devices' names; struct.error or ValueError if broken."""
     if content[5:6] != _INFO:
         raise ValueError
     offset, strings = _strings(content, 6, 13)
     offset, _ = _strings(content, offset + 4, 3)
     # jump distance, left-handed flag, height, start, fail time, speed
-    return offset + struct.calcsize("<fBffff"), strings[7]
+    return offset + struct.calcsize("<fBffff"), ", ".join(text for text in strings[7:9] if text)
 
 
 def _strings(content: bytes, offset: int, count: int) -> tuple[int, list[str]]:

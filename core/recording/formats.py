@@ -46,8 +46,13 @@ UNKNOWN = (
 """What no format or layout claims, read by what the names in it say."""
 
 
+KEPT = Format("table of known columns", columns.is_kept, columns.read, (), table=True)
+"""Tables of which a person has said what their columns are (`reading.kept`)."""
+
+
 def formats() -> tuple[Format, ...]:
-    """Every format, in the order in which they are asked: FORMATS, tables with a layout, any other file."""
+    """Every format, in the order in which they are asked: FORMATS, tables that a person mapped, tables with a layout,
+    any other file."""
     tables = (
         Format(
             layout.name,
@@ -58,7 +63,7 @@ def formats() -> tuple[Format, ...]:
         )
         for layout in layouts.layouts().entries
     )
-    return (*FORMATS, *tables, *UNKNOWN)
+    return (*FORMATS, KEPT, *tables, *UNKNOWN)
 
 
 def suffixes() -> tuple[str, ...]:

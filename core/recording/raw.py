@@ -63,6 +63,8 @@ class Extra:
     name: str
     """As the file calls it."""
     track: Track
+    rotation: str = ""
+    """How its rotations are written, where that is another way than the reading's."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,7 +88,7 @@ class RawRecording:
     stated: frozenset[str] = STATED
     """Of `STATED`, what it tells; the rest of the reading is a guess."""
     extra: tuple[Extra, ...] = ()
-    """Trackers besides the three, with the same reading."""
+    """Trackers besides the three, with the same reading but for their rotations."""
     doubts: tuple[str, ...] = ()
     """What the reader met with, a line each."""
     counted: bool = False

@@ -15,9 +15,10 @@ from ..presets import user_folder
 from . import layouts
 from .cut import cut
 from .eye_height import calibrate, looking_ahead, put_down
+from .fitting import fitted
 from .formats import formats
 from .happenings import in_words
-from .mounts import DEVICE_MOUNTS
+from .mounts import DEVICE_MOUNTS, FITTED, SHAPES, shape_in, shape_of
 from .raw import RawRecording
 from .reading import columns
 from .reading.answers import NO_ANSWERS, Answers
@@ -43,6 +44,37 @@ def read_recording(path: str | os.PathLike[str], answers: Answers = NO_ANSWERS) 
         content = joined(Path(path))
         raw = columns.read(content, str(path))
         return to_recording(raw, str(path), hashlib.sha256(content).hexdigest(), answers)
+    content = content_of(path)
+    digest = hashlib.sha256(content).hexdigest()
+    content = unpacked(content, str(path))
+    plain = plain_table(content)
+    form = next((form for form in formats() if form.recognise(plain if form.table else content)), None)
+    if form is None:
+        raise InputError(
+            f"{path}: no known recording format: no position and rotation of a headset is found by their names; name "
+            f"them head, left and right, or describe the table in {user_folder(layouts.KIND)}{layouts.layouts().note}"
+        )
+    raw = form.read(plain if form.table else content, str(path))
+    return to_recording(raw, str(path), digest, answers)
+
+
+def is_blend(path: str | os.PathLike[str]) -> bool:
+    """Whether a file is a Blender file by its content, or packed and called so."""
+    try:
+        with Path(path).open("rb") as stream:
+            head = stream.read(7)
+    except OSError:
+        return False
+    packed = head.startswith((b"\x28\xb5\x2f\xfd", b"\x1f\x8b")) and Path(path).suffix.lower() == ".blend"
+    return head == b"BLENDER" or packed
+
+
+def content_of(path: str | os.PathLike[str]) -> bytes:
+    """A recording's file as it is.
+
+    Raises:
+        InputError: it cannot be read, is empty, or larger than any recording.
+    """
     try:
         with Path(path).open("rb") as stream:
             # asked for so many bytes, Python would take memory for as many
@@ -55,17 +87,7 @@ def read_recording(path: str | os.PathLike[str], answers: Answers = NO_ANSWERS) 
         raise InputError(f"{path}: larger than {RECORDING_BYTES // 1_000_000} MB; cut the recording")
     if not content.strip():
         raise InputError(f"{path}: the file is empty; record again")
-    digest = hashlib.sha256(content).hexdigest()
-    content = unpacked(content, str(path))
-    plain = plain_table(content)
-    form = next((form for form in formats() if form.recognise(plain if form.table else content)), None)
-    if form is None:
-        raise InputError(
-            f"{path}: no known recording format: no position and rotation of a headset is found by their names; name "
-            f"them head, left and right, or describe the table in {user_folder(layouts.KIND)}{layouts.layouts().note}"
-        )
-    raw = form.read(plain if form.table else content, str(path))
-    return to_recording(raw, str(path), digest, answers)
+    return content
 
 
 def to_recording(
@@ -86,10 +108,27 @@ def to_recording(
         InputError: no reading of them shows a person, too few of the headset's samples are usable, or a pause
             is too long.
     """
-    recording = repaired_recording(settle(raw, file, answers), file, sha256, answers.eye_height)
+    settled = _mounted(settle(raw, file, answers), answers)
+    recording = repaired_recording(settled, file, sha256, answers.eye_height)
     if answers.strict and recording.doubts:
         raise InputError(f"{file}: {recording.doubts[0]}; this counts as a fault with --strict")
     return _worn(recording) if answers.auto_trim else recording
+
+
+def _mounted(raw: RawRecording, answers: Answers) -> RawRecording:
+    """The recording with the mounts that a person says, or the file names, and what is said of them."""
+    device = shape_in(raw.found.get("device", ""))
+    if answers.mounts == FITTED:
+        shape, told = fitted(raw)
+        how = f"fitted to the movement ({told})" if told else "typical: the movement does not tell them"
+    elif answers.mounts:
+        shape, how = shape_of(answers.mounts), "as you say"
+    elif device and raw.mounts is DEVICE_MOUNTS:
+        shape, how = SHAPES[device], "named in the file"
+    else:
+        return raw
+    title = "" if shape.title in ("given", "fitted") else f"{shape.title}, "
+    return replace(raw, mounts=shape.mounts, found={**raw.found, "mounts": f"{title}{how}: {shape.numbers}"})
 
 
 def repaired_recording(
@@ -112,6 +151,10 @@ def _worn(recording: Recording) -> Recording:
 def _finish(raw: RawRecording, repaired: Repaired, given: float | None, file: str, sha256: str) -> Recording:
     """Calibrate the eye height and say what was found."""
     samples = repaired.samples
+    if not samples.valid[:, 0].any():
+        raise InputError(
+            f"{file}: the headset stays at one point while others move: it was not tracked; record it again"
+        )
     level = looking_ahead(samples, raw.mounts)
     calibration = calibrate(level, given, raw.eye_height, raw.on_floor)
     if not EYE_HEIGHT[0] <= calibration.eye_height <= EYE_HEIGHT[1]:
@@ -131,7 +174,12 @@ def _finish(raw: RawRecording, repaired: Repaired, given: float | None, file: st
         "rate": f"{(len(samples.times) - 1) / length:.1f} frames per second",
         "length": f"{length:.1f} s, {len(samples.times)} frames",
         "eye height": f"{calibration.eye_height:.2f} m, {calibration.source}",
-        "mounts": "typical of real devices" if raw.mounts is DEVICE_MOUNTS else "stated in the file",
+        "mounts": raw.found.get(
+            "mounts",
+            f"typical of real devices: {SHAPES['vive-wands'].numbers}"
+            if raw.mounts is DEVICE_MOUNTS
+            else "stated in the file",
+        ),
         "tracked": ", ".join(f"{name} {share:.1%}" for name, share in zip(TRACKERS, shares, strict=True)),
     }
     lift = np.array([0.0, 0.0, calibration.lift])

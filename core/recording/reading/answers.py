@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from ...bounds import EYE_HEIGHT, RECORDING_RATE
 from ...errors import InputError
+from ..mounts import FITTED, shape_of
 from ..raw import DIRECTIONS
 from .rotations import KINDS
 from .scores import UNITS
@@ -33,6 +34,8 @@ class Answers:
     """Whether left and right change places."""
     eye_height: float | None = None
     """Height of the headset in metres when its wearer stands at ease."""
+    mounts: str = ""
+    """How devices sit: one of `mounts.SHAPES`, `mounts.FITTED`, or four numbers as in `mounts.shape_of`."""
     strict: bool = False
     """Whether doubts are errors."""
     force: bool = False
@@ -57,6 +60,11 @@ class Answers:
             raise InputError(f"--rate {self.rate:g}: give samples per second, such as 72")
         if self.rotation and self.rotation not in ROTATIONS:
             raise InputError(f"--rotation {self.rotation}: give one of {', '.join(ROTATIONS[:10])} ...")
+        if self.mounts not in ("", FITTED):
+            try:
+                shape_of(self.mounts)
+            except ValueError as error:
+                raise InputError(f"--mounts {self.mounts}: {error}") from None
         height = self.eye_height
         if height is not None and not EYE_HEIGHT[0] <= height <= EYE_HEIGHT[1]:
             raise InputError(f"eye height {height:g} m is no person's; give metres, such as 1.65")

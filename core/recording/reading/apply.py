@@ -23,8 +23,13 @@ def applied(raw: RawRecording, reading: Reading) -> RawRecording:
     extra = tuple(
         replace(
             item,
+            rotation="",
             track=_turned(
-                replace(item.track, rotations=to_quaternions(item.track.rotations, reading.rotation)), reading
+                replace(
+                    item.track,
+                    rotations=to_quaternions(item.track.rotations, item.rotation or reading.rotation),
+                ),
+                reading,
             ),
         )
         for item in raw.extra

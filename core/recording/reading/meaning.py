@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 _HEAD = {
@@ -51,6 +51,7 @@ _SIDES = {
         "lcontroller",
         "ltouch",
         "lcon",
+        "lctrl",
         "handl",
         "controllerl",
     },
@@ -65,6 +66,7 @@ _SIDES = {
         "rcontroller",
         "rtouch",
         "rcon",
+        "rctrl",
         "handr",
         "controllerr",
     },
@@ -187,6 +189,17 @@ _DEVICE = {
 _LABELS = {"hand", "handedness", "side", "joint", "class", "deviceclass", "message", "address", "controller"}
 
 
+PARTS = {
+    **{f"p{axis}": ("place", axis) for axis in "xyz"},
+    **{f"q{axis}": ("turn", axis) for axis in "wxyz"},
+    **{f"r{axis}": ("turn", axis) for axis in "xyz"},
+    **{angle: ("turn", angle) for angle in ANGLES},
+    **{f"m{row}{column}": ("matrix", f"{row}{column}") for row in range(3) for column in range(3)},
+    **{f"sixd_{letter}": ("sixd", letter) for letter in "abcdef"},
+}
+"""What a person calls the components of a pose, and their kinds and components."""
+
+
 @dataclass(frozen=True, slots=True)
 class Meaning:
     """What one name says."""
@@ -212,7 +225,7 @@ class Columns:
     place: list[int] = field(default_factory=list[int])
     turn: list[int] = field(default_factory=list[int])
     kind: str = ""
-    """Of the rotation, as in `rotations.KINDS`, or "frame" where `turn` are three rows of four."""
+    """Of the rotation, as in `rotations.KINDS`, or "none"."""
     ordered: bool = True
     """Whether names tell the quaternion's w from the others."""
     last: list[int] = field(default_factory=list[int])
@@ -340,19 +353,28 @@ def _component(words: Sequence[str]) -> tuple[str, str]:
     return "", ""
 
 
-def understand(names: Sequence[str]) -> Understood:
-    """What the names of a table's columns say."""
+def understand(names: Sequence[str], said_of: Mapping[str, str] | None = None) -> Understood:
+    """What the names of a table's columns say.
+
+    Args:
+        names: of the columns.
+        said_of: what a person says of columns, by name, as in `corrections`.
+    """
     out = Understood({})
     poses: dict[str, dict[tuple[str, ...], dict[str, dict[str, int]]]] = {}
-    for column, name in enumerate(names):
-        said = meaning(name)
+    given = said_of or {}
+    # what a person says comes first, so that no name takes its place
+    for column, name in sorted(enumerate(names), key=lambda item: item[1] not in given):
+        said = told_meaning(given[name]) if name in given else meaning(name)
         if said.part:
             pose = poses.setdefault(said.tracker, {}).setdefault(said.beside, {})
             pose.setdefault(said.kind, {}).setdefault(said.part, column)
             out.metres = out.metres or said.metres
             out.angles = out.angles or said.angles
-        else:
+        elif name not in given:
             _other(out, column, name)
+        else:
+            _other_told(out, column, given[name], name)
     for tracker, several in poses.items():
         beside = sorted(several, key=lambda words: sum(_APART.get(word, 1) for word in words))
         whole = [found for found in (_columns(several[words]) for words in beside) if found is not None]
@@ -362,11 +384,37 @@ def understand(names: Sequence[str]) -> Understood:
                 for kind, parts in several[words].items():
                     kinds.setdefault(kind, parts)
             whole = [found for found in [_columns(kinds)] if found is not None]
+        if not whole and tracker not in ("", "head", "left", "right"):
+            # markers of motion capture have no rotation
+            places = [_places(parts.get("place", {})) for parts in several.values()]
+            whole = [Columns(found, [], "none") for found in places if found][:1]
         if whole:
             out.trackers[tracker] = whole[0]
         if len(whole) > 1 and tracker:
             out.several.append(tracker)
     return out
+
+
+def told_meaning(text: str) -> Meaning:
+    """What a person says of a column of a pose, such as "head.px" or "left.qw"; no part where it is of no pose."""
+    tracker, point, part = text.rpartition(".")
+    found = PARTS.get(part)
+    return Meaning(tracker, found[0], found[1]) if point and tracker and found else Meaning()
+
+
+def _other_told(out: Understood, column: int, text: str, name: str) -> None:
+    """Take a column for time, frame number or device, as a person says."""
+    word, _, unit = text.partition(" ")
+    if word == "time":
+        out.time = column
+        out.seconds = SECONDS.get(unit, 0.0) or next(
+            (SECONDS[word] for word in reversed(words_of(name)) if word in SECONDS), 0.0
+        )
+    elif word == "frame":
+        out.number = column
+    elif word == "device":
+        out.device = column if out.device < 0 else out.device
+        out.labels.append(column)
 
 
 def _other(out: Understood, column: int, name: str) -> None:
@@ -396,7 +444,7 @@ def _columns(kinds: dict[str, dict[str, int]]) -> Columns | None:
     if whole is not None:
         return whole
     place, turn = kinds.get("place", {}), kinds.get("turn", {})
-    places = _picked(place, "xyz") or _picked(place, "012")
+    places = _places(place)
     if not places:
         return None
     for order, kind, ordered in (
@@ -416,6 +464,10 @@ def _columns(kinds: dict[str, dict[str, int]]) -> Columns | None:
         if found:
             return Columns(places, found, kind)
     return None
+
+
+def _places(parts: dict[str, int]) -> list[int]:
+    return _picked(parts, "xyz") or _picked(parts, "012")
 
 
 def _whole(parts: dict[str, int]) -> Columns | None:

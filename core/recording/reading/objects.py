@@ -14,6 +14,7 @@ from ..raw import RawRecording, Reading, Track
 from .clock import Sheet, number
 from .columns import is_posed, to_raw
 from .dress import is_json
+from .kept import RecordingMap, map_for
 from .meaning import understand
 from .shapes import rows_of
 
@@ -27,29 +28,35 @@ def recognise(content: bytes) -> bool:
     return is_json(content)
 
 
-def read(content: bytes, file: str) -> RawRecording:
-    """Samples of such a file, in its own axes and unit.
+def read(content: bytes, file: str, told: RecordingMap | None = None) -> RawRecording:
+    """Samples of such a file, in its own axes and unit; `told` as in `columns.read`.
 
     Raises:
         InputError: broken JSON, or no frames with the headset's position and rotation in it.
     """
-    data = _parsed(content, file)
+    data = parsed(content, file)
     if isinstance(data, dict) and {"schema", "frames"} <= cast(dict[str, Any], data).keys():
         return _read_webxr(cast(dict[str, Any], data), file)
     rows = rows_of(data)
     if rows:
-        names = tuple(dict.fromkeys(name for row in (*rows[:50], rows[-1]) for name in row))[:_MOST_NAMES]
-        found = understand(names)
+        names = names_in(rows)
+        told = told or map_for(names)
+        found = understand(names, told.said if told else None)
         if is_posed(found):
             posed = {i for pose in found.trackers.values() for i in (*pose.place, *pose.turn, *pose.last)}
             sheet = _sheet(names, rows, posed)
-            return to_raw(sheet, found, file, NAME)
+            return to_raw(sheet, found, file, NAME, told)
     raise InputError(
         f"{file}: JSON without frames that tell a headset's position and rotation; name them head, left and right"
     )
 
 
-def _parsed(content: bytes, file: str) -> Any:
+def names_in(rows: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
+    """The names in frames."""
+    return tuple(dict.fromkeys(name for row in (*rows[:50], rows[-1]) for name in row))[:_MOST_NAMES]
+
+
+def parsed(content: bytes, file: str) -> Any:
     """The JSON value; a list of values where there is one a line."""
     try:
         return parse_json(content, RECORDING_BYTES, small=False)
@@ -105,7 +112,14 @@ def _read_webxr(data: Mapping[str, Any], file: str) -> RawRecording:
         tracks = [_track(rows) for rows in (head, inputs["left"], inputs["right"])]
     except (KeyError, TypeError, ValueError, IndexError, OverflowError):
         raise InputError(f"{file}: a recording of WebXR inputs whose frames do not fit its schema") from None
-    return RawRecording((tracks[0], tracks[1], tracks[2]), {"format": "WebXR inputs (IWER)"}, reading=_WEBXR)
+    found = {"format": "WebXR inputs (IWER)"}
+    profiles: list[Any] = [kind.get("profiles") for _, kind in data["schema"]]
+    named = next(
+        (cast(list[Any], profile)[0] for profile in profiles if profile and isinstance(profile, list)), ""
+    )
+    if isinstance(named, str) and named:
+        found["device"] = named
+    return RawRecording((tracks[0], tracks[1], tracks[2]), found, reading=_WEBXR)
 
 
 def _grip(entry: Sequence[Any], grip: bool) -> Sequence[Any]:

@@ -21,12 +21,15 @@ from ..recording import Array
 from .answers import NO_ANSWERS, Answers
 from .apply import applied
 from .mishaps import coarse, one_clock, unswapped
-from .plausibility import Figures, Moments, in_world, measure, take_moments
+from .plausibility import Figures, Moments, in_world, measure, moving, take_moments
 from .rotations import KINDS, kind_of, to_quaternions
 from .scores import COMMON, ORDERS, UNITS, Candidate, Seen, Span, best_unit, score, see, up_axis, worlds
 
 _CLEAR = 3.0
 """Points by which the chosen reading must be ahead of the next one that shows something else."""
+_RIVAL = 2.0
+"""Points by which the movement must speak against what a file states to be worth a doubt: in sound recordings 0.7 at
+most, with axes or rotations changed 2.5 to 23."""
 _BETTER = 0.5
 """Points by which other rotations must fit the movement better to be worth a doubt."""
 _BELIEF = {"axes": 6.0, "rotation": 5.0, "unit": 2.0, "sides": 4.0, "hands": 4.0}
@@ -37,6 +40,7 @@ _MOST_RADIANS = 7.0
 """Angles that are all smaller than this are radians."""
 _START = 0.5
 """Metres within which a headset stays that is told from where it starts."""
+_UNMOVED = "the headset stays at one point all the time: it was not worn, or not tracked"
 _SAME = 2.0
 """Degrees and centimetres within which two readings show the same."""
 
@@ -55,11 +59,18 @@ def settle(raw: RawRecording, file: str, answers: Answers = NO_ANSWERS) -> RawRe
     moments = take_moments(raw)
     if moments is None:
         return applied(raw, stated)
+    if not moving(moments)[0]:
+        if not answers.force and not {"axes", "rotation"} <= raw.stated | _said(answers):
+            raise InputError(f"{file}: {_UNMOVED}; record it again, or use --force")
+        return replace(applied(raw, stated), doubts=(*raw.doubts, _UNMOVED))
     search = _Search(raw, moments, stated, answers)
     given = search.candidate(stated)
     settled = raw.stated | _said(answers)
     if {"axes", "rotation"} <= settled and (answers.force or not search.faults(given)):
-        return _told(raw, given, search.faults(given), answers)
+        doubts = search.faults(given) or (
+            () if _said(answers) & {"axes", "rotation"} else search.rivals(given)
+        )
+        return _told(raw, given, doubts, answers)
     ranked = search.ranked(settled)
     best = ranked[0]
     if search.faults(best) and {"axes", "rotation"} <= settled:
@@ -129,6 +140,28 @@ class _Search:
             if not self.faults(ranked[0]):
                 break
         return ranked
+
+    def rivals(self, given: Candidate) -> tuple[str, ...]:
+        """A doubt where the movement alone fits other axes, or rotations the other way round, clearly better."""
+        stated, best = given.reading, given
+        own = given.score + self.belief(stated, frozenset(_BELIEF))
+        span, top = self._span(stated), own + _RIVAL
+        axes = dict.fromkeys((stated.axes, *COMMON, *map(_mirrored, COMMON)))
+        for rotation in (stated.rotation, f"{stated.rotation}-inverse"):
+            if rotation not in KINDS[kind_of(stated.rotation)]:
+                continue
+            figures = measure(self.moments, rotation, stated.hands)
+            for name in axes:
+                reading = replace(stated, axes=name, devices="", rotation=rotation)
+                seen = see(figures, span, reading)
+                points = score(seen, figures, reading.metres)
+                if reading != stated and points > top:
+                    best, top = Candidate(reading, seen, points), points
+        if best is given:
+            return ()
+        return (
+            f"the movement fits {_differing(best.reading, stated)} better than what the file states: check it",
+        )
 
     def _listed(
         self, settled: frozenset[str], rotations: tuple[str, ...], placings: tuple[str, ...]

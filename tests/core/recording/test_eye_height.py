@@ -143,9 +143,26 @@ def test_what_lies_is_below_three_quarters_of_the_standing_height(height: float,
     assert put_down(worn_then_lying(20.0, 4.1, height)) == (20.0 if lies else None)
 
 
-@pytest.mark.parametrize(("tremor", "lies"), [(0.0019, True), (0.0021, False)])
-def test_what_lies_moves_by_no_more_than_two_millimetres(tremor: float, lies: bool) -> None:
-    assert put_down(worn_then_lying(20.0, 4.1, 0.8, tremor)) == (20.0 if lies else None)
+@pytest.mark.parametrize(
+    ("tremor", "lying", "lies"),
+    [
+        (0.0019, 1.1, True),
+        (0.0021, 1.1, False),
+        (0.0021, 2.1, True),
+        (0.0099, 4.1, True),
+        (0.0101, 4.1, False),
+    ],
+)
+def test_what_lies_hardly_moves(tremor: float, lying: float, lies: bool) -> None:
+    assert put_down(worn_then_lying(20.0, lying, 0.8, tremor)) == (20.0 if lies else None)
+
+
+@pytest.mark.parametrize(("degrees", "lies"), [(1.4, True), (1.6, False)])
+def test_what_is_nudged_turns_less_than_a_head(degrees: float, lies: bool) -> None:
+    samples = worn_then_lying(20.0, 4.1, 0.8, 0.005)
+    swing = np.radians(degrees) * (np.arange(len(samples.times)) % 2)
+    samples.rotations[:, 0] = np.stack([np.cos(swing / 2), np.sin(swing / 2), 0 * swing, 0 * swing], axis=-1)
+    assert put_down(samples) == (20.0 if lies else None)
 
 
 def test_a_second_with_one_sample_or_none_tells_nothing() -> None:

@@ -51,7 +51,8 @@ def test_a_finished_recording_tells_what_it_is(wander, finished) -> None:
         "rate": "64.0 frames per second",
         "length": "3.0 s, 193 frames",
         "eye height": "1.62 m, given",
-        "mounts": "typical of real devices",
+        "mounts": "typical of real devices: headset 0.08 m ahead and 0.09 m above, "
+        "controllers 0.10 m from the wrist, 15 degrees up",
         "tracked": f"head 100.0%, left 100.0%, right {100 / 1.93:.1f}%",
     }
     assert next(iter(found.found)) == "format"

@@ -202,7 +202,7 @@ def test_a_real_beat_saber_replay(data: Path) -> None:
     assert len(recording) == 26554, "two samples have repeated times"
     assert recording.times[-1] == pytest.approx(295.2, abs=0.1)
     assert recording.fps == pytest.approx(90.0, abs=0.5)
-    assert recording.found["device"] == "Oculus Quest 2"
+    assert recording.found["device"] == "Oculus Quest 2, Oculus Touch"
     hands = in_head_yaw(recording)
     assert (np.median(hands[:, :, 1], axis=0) > 0.05).all()
     assert np.median(hands[:, 0, 0]) < -0.2 and np.median(hands[:, 1, 0]) > 0.2

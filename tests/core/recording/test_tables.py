@@ -216,7 +216,7 @@ def replay(count: int = 2, frames: int = 2, device: bytes = b"Some HMD", section
 def test_a_replay_is_read_to_the_bit() -> None:
     raw = bsor.read_bsor(replay() + b"\x02 more", "f")
     raw = applied(raw, raw.reading)
-    assert raw.found == {"format": "Beat Saber replay", "device": "Some HMD"}
+    assert raw.found == {"format": "Beat Saber replay", "device": "Some HMD, c"}
     assert raw.on_floor and not raw.states_validity and raw.eye_height is None
     for i, track in enumerate(raw.tracks):
         np.testing.assert_array_equal(track.times, [0.5, 1.5])
@@ -235,8 +235,8 @@ def test_a_replay_has_as_many_frames_as_it_says(count: int, frames: int) -> None
 
 
 def test_devices_of_replays_may_be_unknown_or_misspelt() -> None:
-    assert "device" not in bsor.read_bsor(replay(device=b""), "f").found
-    assert bsor.read_bsor(replay(device=b"Q\xffest"), "f").found["device"] == "Q\ufffdest"
+    assert bsor.read_bsor(replay(device=b""), "f").found["device"] == "c"
+    assert bsor.read_bsor(replay(device=b"Q\xffest"), "f").found["device"] == "Q\ufffdest, c"
 
 
 @pytest.mark.parametrize(
