@@ -10,9 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.errors import InputError
+from ..core.maths import quat
 from ..core.rig.rig import BoneTracks
 from . import compat, rotations
 from .armature import carrier_of
+from .holds import holds
+from .mechanism import is_locked
 
 Array = NDArray[np.floating[Any]]
 
@@ -47,8 +50,9 @@ def write_action(
 ) -> bpy.types.Action:
     """Give an armature object a new action made of pose tracks.
 
-    Rotations are keyed in each bone's own rotation mode, the hips' location too; bones between keyed ones are put at
-    rest, because no key would hold them there. The object's transform, rest pose and other actions stay as they are.
+    Rotations are keyed in each bone's own rotation mode, the hips' location too. Controls that stand between keys and
+    what is seen get one key at rest, switches between IK and FK one key each. The object's transform, rest pose and
+    other actions stay as they are.
 
     Args:
         obj: an armature object that has all bones of `tracks`.
@@ -90,7 +94,7 @@ def key_pose(obj: bpy.types.Object, tracks: BoneTracks, fps: float, frame_start:
     """Key pose tracks in the new action of an armature object that has all their bones (see `write_action`)."""
     action = obj.animation_data.action
     assert action is not None
-    _rest_between(obj, tracks.bones)
+    _hold(obj, tracks.bones, frame_start)
     frames = frame_start + np.arange(len(tracks.rotations)) * (fps / tracks.fps)
     hips = obj.pose.bones[tracks.bones[0]]
     carrier = carrier_of(hips)
@@ -161,27 +165,40 @@ def _release(previous: bpy.types.Action | None, keep: bool) -> None:
         bpy.data.actions.remove(previous)
 
 
-def _rest_between(obj: bpy.types.Object, bones: Sequence[str]) -> None:
-    keyed = set(bones)
-    between: set[str] = set()
-    for bone in bones:
-        between.update(parent.name for parent in obj.pose.bones[bone].parent_recursive)
-    for name in between - keyed:
-        obj.pose.bones[name].matrix_basis.identity()
+def _hold(obj: bpy.types.Object, keyed: Sequence[str], frame: float) -> None:
+    """One key each for what else has to stay as it is (see `holds`); scales are left alone."""
+    action, found = obj.animation_data.action, holds(obj, keyed)
+    assert action is not None
+    frames, none = np.array([frame]), np.zeros((1, 3))
+    for name in found.controls:
+        bone = obj.pose.bones[name]
+        if not bone.bone.use_connect and not is_locked(bone.lock_location):
+            _key(action, obj, bone.path_from_id("location"), name, frames, none)
+        _key_rotation(action, obj, bone, frames, quat.IDENTITY[None])
     for name in keyed:
-        pose_bone = obj.pose.bones[name]
-        pose_bone.scale = (1.0, 1.0, 1.0)
-        pose_bone.location = (0.0, 0.0, 0.0)
+        bone = obj.pose.bones[name]
+        if not bone.bone.use_connect and bone.location.length > 0.0:
+            _key(action, obj, bone.path_from_id("location"), name, frames, none)
+    for name, prop, value in found.switches:
+        bone = obj.pose.bones[name]
+        path = f'{bone.path_from_id()}["{bpy.utils.escape_identifier(prop)}"]'
+        _key(action, obj, path, name, frames, np.array([[value]]))
 
 
 def _key(
-    action: bpy.types.Action, owner: bpy.types.Object, path: str, group: str, frames: Array, values: Array
+    action: bpy.types.Action,
+    owner: bpy.types.Object,
+    path: str,
+    group: str,
+    frames: Array,
+    values: Array,
 ) -> None:
     for channel in range(values.shape[1]):
         track = values[:, channel].astype(np.float32)
         needed = np.ones(len(track), dtype=bool)
         needed[1:-1] = (track[1:-1] != track[:-2]) | (track[1:-1] != track[2:])
         curve = compat.ensure_fcurve(action, owner, path, channel, group)
+        curve.keyframe_points.clear()
         fill_curve(curve, frames[needed], track[needed], compat.LINEAR)
 
 

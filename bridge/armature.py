@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 
@@ -19,18 +19,11 @@ from ..core.presets import Presets
 from ..core.rig.limbs import whole_limbs
 from ..core.rig.mirror import unmirrored
 from ..core.rig.rig import Rig
+from .mechanism import passed_over
 from .soles import sole_depth
 
 ROLE_MAP = "footwork_roles"
 """Custom property of an armature object: role -> bone name for what was set by hand, "" for "no bone"."""
-
-SWITCHES = {
-    "IK_FK": (1.0, "lets IK hide the bake"),
-    "FK_limb_follow": (0.0, "holds the limb back when the body turns"),
-    "neck_follow": (1.0, "holds the neck back when the body turns"),
-    "head_follow": (1.0, "holds the head back when the body turns"),
-}
-"""Rigify's switches on pose bones: the value with which keys on FK controls show as they are, and what others do."""
 
 
 def armature_to_rig(obj: bpy.types.Object, metres_per_unit: float = 1.0) -> Rig:
@@ -50,6 +43,7 @@ def armature_to_rig(obj: bpy.types.Object, metres_per_unit: float = 1.0) -> Rig:
     world = np.array(obj.matrix_world, dtype=np.float64)
     world[:3] *= metres_per_unit
     order, parents = _as_moved(obj, names, parents)
+    parents = _lifted(parents, [roles[bone] for bone in order], obj, [names[bone] for bone in order])
     rig = Rig(
         name=obj.name,
         bones=tuple(names[bone] for bone in order),
@@ -126,10 +120,6 @@ def rig_doubts(obj: bpy.types.Object) -> tuple[str, ...]:
     loose = [bone.name for bone in mapped if bone.parent and not bone.bone.use_inherit_rotation]
     if loose:
         doubts.append(f"{some(loose)}: Inherit Rotation is off, the pose will differ")
-    for switch, (wanted, why) in SWITCHES.items():
-        wrong = [b.name for b in obj.pose.bones if switch in b and abs(b[switch] - wanted) > 1e-3]
-        if wrong:
-            doubts.append(f"{some(wrong)}: {switch} {why}; set it to {wanted:g}")
     data = obj.animation_data
     if data is not None and any(not track.mute for track in data.nla_tracks):
         doubts.append("NLA tracks are active and play below the bake")
@@ -221,6 +211,18 @@ def _as_moved(
         order.sort(key=lambda number: depths[number])
     place = {bone: number for number, bone in enumerate(order)}
     return order, [place[above[bone]] if above[bone] >= 0 else -1 for bone in order]
+
+
+def _lifted(
+    parents: Sequence[int], roles: Sequence[str], obj: bpy.types.Object, names: Sequence[str]
+) -> list[int]:
+    """The parents, with bones that are to have keys directly below the next above that is to have any."""
+    passed = passed_over(obj, [name for name, role in zip(names, roles, strict=True) if role])
+    out = [int(parent) for parent in parents]
+    for bone in hierarchy.with_ancestors(parents, [bone for bone, role in enumerate(roles) if role]):
+        while out[bone] >= 0 and names[out[bone]] in passed:
+            out[bone] = int(parents[out[bone]])
+    return out
 
 
 def _copied(obj: bpy.types.Object, bone: bpy.types.PoseBone) -> str:

@@ -13,6 +13,7 @@ from ..core.maths import quat
 from ..core.rig.fit import RigFit, fit_rig
 from ..core.rig.mirror import MIRROR
 from .armature import armature_to_rig
+from .mechanism import shown_by
 
 Array = NDArray[np.floating[Any]]
 
@@ -33,6 +34,8 @@ def poses_at(
 ) -> tuple[Array, Array]:
     """World positions `(N, J, 3)` in metres and rotations since T-pose `(N, J, 4)` of the joints of a fit.
 
+    A control is looked at through the deforming bone that starts there and runs the same way, where there is one.
+
     Args:
         armature: in the scene.
         scene: the active one; its current frame is the same afterwards.
@@ -51,12 +54,19 @@ def poses_at(
             worlds[index] = evaluated.matrix_world
     finally:
         scene.frame_set(current, subframe=subframe)
-    bones = [armature.pose.bones.find(name) for name in fit.skeleton.names]
+    names = fit.skeleton.names
+    by = shown_by(armature, names)
     # Blender hands matrices out column by column
-    matrices = np.swapaxes(columns[:, bones].astype(np.float64), -1, -2)
+    matrices, seen = (
+        np.swapaxes(columns[:, [armature.pose.bones.find(name) for name in bones]], -1, -2).astype(np.float64)
+        for bones in (names, [by[name] for name in names])
+    )
+    for joint, name in enumerate(names):
+        if by[name] != name:
+            matrices[:, joint] = _led(matrices[:, joint], seen[:, joint])
     if fit.rig.mirrored:
         worlds, matrices = worlds @ MIRROR, MIRROR @ matrices @ MIRROR
-    for joint, name in enumerate(fit.skeleton.names):
+    for joint, name in enumerate(names):
         if name in fit.rig.absent:
             parent = fit.skeleton.parents[joint]
             rest, hang = fit.rig.rest[fit.bones[joint]], fit.rig.rest[fit.bones[parent]]
@@ -65,3 +75,15 @@ def poses_at(
     poses = worlds @ matrices
     axes = poses[..., :3, :3] / np.linalg.norm(poses[..., :3, :3], axis=-2, keepdims=True)
     return poses[..., :3, 3], quat.multiply(quat.from_matrix(axes), quat.conjugate(fit.tpose))
+
+
+def _led(control: Array, seen: Array) -> Array:
+    """Matrices `(N, 4, 4)` of a control, put where the bone is that shows it and turned to run as that does.
+
+    How it is twisted stays the control's: a deforming bone may have half of a twist.
+    """
+    out = control.copy()
+    turn = quat.between(control[:, :3, 1], seen[:, :3, 1])
+    out[:, :3, :3] = quat.to_matrix(turn) @ control[:, :3, :3]
+    out[:, :3, 3] = seen[:, :3, 3]
+    return out

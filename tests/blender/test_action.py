@@ -98,26 +98,36 @@ def test_another_object_plays_the_action_when_it_is_assigned(empty) -> None:
     assert len(compat.fcurves_of(two)) == len(compat.fcurves_of(one)) > 0
 
 
-def test_bones_between_keyed_ones_are_put_at_rest_and_others_left(empty) -> None:
+def test_bones_between_keyed_ones_are_held_at_rest_and_others_left(empty) -> None:
     obj = new_rig(empty)
     fit = fit_rig(armature.armature_to_rig(obj))
     truth = helpers.motion(fit.skeleton)
     tracks = to_bone_tracks(truth, fit, 60.0)
     kept = [i for i, name in enumerate(tracks.bones) if name not in ("Chest", "LeftToe")]
     obj.pose.bones["Chest"].rotation_quaternion = (0.7, 0.7, 0.0, 0.0)
+    obj.pose.bones["Chest"].scale = (1.1, 1.2, 1.3)
     obj.pose.bones["LeftToe"].rotation_quaternion = (0.0, 1.0, 0.0, 0.0)
     obj.pose.bones["LeftElbow"].location = (0.0, 0.2, 0.0)
+    obj.pose.bones["LeftWrist"].scale = (2.0, 2.0, 2.0)
     subset = BoneTracks(
         tuple(tracks.bones[i] for i in kept), tracks.fps, tracks.locations, tracks.rotations[:, kept]
     )
     action.write_action(obj, subset, "Walk", fps=60.0)
     empty.frame_set(10)
-    assert np.allclose(obj.pose.bones["Chest"].matrix_basis, np.eye(4))
+    chest = obj.pose.bones["Chest"]
+    assert np.allclose(chest.rotation_quaternion, (1.0, 0.0, 0.0, 0.0)) and np.allclose(chest.location, 0.0)
+    assert np.allclose(chest.scale, (1.1, 1.2, 1.3))
+    assert np.allclose(obj.pose.bones["LeftWrist"].scale, 2.0)
     assert obj.pose.bones["LeftToe"].rotation_quaternion[1] == pytest.approx(1.0)
     assert np.allclose(obj.pose.bones["LeftElbow"].location, 0.0)
-    paths = {curve.data_path for curve in compat.fcurves_of(obj)}
-    assert not any('Chest"' in path or "LeftToe" in path for path in paths)
-    assert sum("location" in path for path in paths) == 1
+    keys: dict[str, list[int]] = {}
+    for curve in compat.fcurves_of(obj):
+        keys.setdefault(curve.data_path, []).append(len(curve.keyframe_points))
+    assert keys['pose.bones["Chest"].rotation_quaternion'] == [1] * 4
+    assert keys['pose.bones["LeftElbow"].location'] == [1] * 3
+    assert not any("LeftToe" in path or "scale" in path for path in keys)
+    moved = {path.split('"')[1] for path in keys if "location" in path}
+    assert moved == {"Hips", "Chest", "LeftElbow"}
 
 
 def test_constant_channels_take_two_keys(empty) -> None:

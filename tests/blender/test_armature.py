@@ -134,9 +134,6 @@ def test_what_spoils_a_bake_is_told(empty) -> None:
     wrist = obj.pose.bones["LeftWrist"]
     wrist.constraints.new("COPY_ROTATION")
     obj.pose.bones["LeftElbow"].driver_add("rotation_quaternion", 0)
-    obj.pose.bones["Head"]["IK_FK"] = 0.0
-    obj.pose.bones["LeftHip"]["IK_FK"] = 1.0
-    obj.pose.bones["Hips"]["head_follow"] = 0.5
     obj.data.bones["RightKnee"].use_inherit_rotation = False
     obj.data.pose_position = "REST"
     obj.animation_data.nla_tracks.new()
@@ -144,8 +141,6 @@ def test_what_spoils_a_bake_is_told(empty) -> None:
     for text in (
         "Constraints act on LeftWrist",
         "Drivers win over keys on LeftElbow",
-        "Head: IK_FK lets IK hide the bake; set it to 1",
-        "Hips: head_follow holds",
         "RightKnee: Inherit",
         "rest position",
         "NLA",
@@ -172,7 +167,8 @@ def test_limbs_that_hang_on_a_copy_of_a_control_follow_it(empty) -> None:
         constraint.target, constraint.subtarget = obj, f"{side}Collar"
     rig = armature.armature_to_rig(obj)
     above = dict(zip(rig.bones, [rig.bones[p] if p >= 0 else "" for p in rig.parents], strict=True))
-    assert above["LeftShoulder"] == "ORG-LeftCollar" and above["ORG-LeftCollar"] == "LeftCollar"
+    # what the rig moves by itself gets no keys, so it is no joint
+    assert above["LeftShoulder"] == above["ORG-LeftCollar"] == "LeftCollar"
     assert all(parent < number for number, parent in enumerate(rig.parents))
 
     fit = fit_rig(rig)
