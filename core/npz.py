@@ -27,7 +27,7 @@ Array = NDArray[Any]
 _HEADER_BYTES = 4096
 """Arrays of few dimensions take a hundred or two."""
 _HEADER = re.compile(
-    r"\{\s*'descr':\s*'(?P<kind>[<>|=]?(?:b1|[iu][1248]|f[48]|U\d{1,7}))',"
+    r"\{\s*'descr':\s*'(?P<kind>[<>|=]?(?:b1|[iu][1248]|f[248]|U\d{1,7}))',"
     r"\s*'fortran_order':\s*(?P<fortran>True|False),"
     r"\s*'shape':\s*\((?P<shape>(?:\d{1,12},\s?)*(?:\d{1,12})?)\),?\s*\}\s*"
 )

@@ -53,7 +53,7 @@ ARROWS: dict[str, set[str]] = {
     "cli": {"bridge", "nn.train", "nn", "core"},
 }
 """What each part may import beside itself; a package of core stands for all of its parts."""
-TORCH = {"nn.train.paper", "nn.train.window", "nn.train.torch_networks"}
+TORCH = {"nn.train.motion", "nn.train.paper", "nn.train.window", "nn.train.torch_networks"}
 """The modules that need torch; whoever uses them does so inside a function."""
 
 IMPORT_ALL = """
