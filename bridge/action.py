@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..core.errors import InputError
 from ..core.maths import quat
 from ..core.rig.rig import BoneTracks
-from . import compat, rotations
+from . import before, compat, rotations
 from .armature import carrier_of
 from .holds import holds
 from .mechanism import is_locked
@@ -71,11 +71,16 @@ def write_action(
     missing = [bone for bone in tracks.bones if bone not in obj.pose.bones]
     if missing:
         raise InputError(f"{obj.name}: it has no bone {missing[0]!r} any more; check its role map")
+    state = before.state_of(obj)
     previous = obj.animation_data_create().action
     action = new_action(obj, name)
     _play(obj)
-    _release(previous, keep_previous)
+    if previous is not None and not _is_kept(previous, keep_previous):
+        replaced = previous
+        state, previous = before.inherited(state, replaced)
+        bpy.data.actions.remove(replaced)
     key_pose(obj, tracks, fps, frame_start)
+    before.keep(obj, action, state, previous)
     for time in marker_times:
         frame = round(frame_start + time * fps)
         action.pose_markers.new("T").frame = frame
@@ -156,13 +161,13 @@ def key_transform(
     return action
 
 
-def _release(previous: bpy.types.Action | None, keep: bool) -> None:
-    if previous is None or previous.library is not None:
-        return
+def _is_kept(previous: bpy.types.Action, keep: bool) -> bool:
+    """Whether the action before stays, with a fake user then; only bakes that nothing else uses may go."""
+    if previous.library is not None:
+        return True
     if keep or not previous.get(MADE_BY):
         previous.use_fake_user = True
-    elif previous.users - previous.use_fake_user == 0:
-        bpy.data.actions.remove(previous)
+    return keep or not previous.get(MADE_BY) or previous.users - previous.use_fake_user > 0
 
 
 def _hold(obj: bpy.types.Object, keyed: Sequence[str], frame: float) -> None:
@@ -181,8 +186,7 @@ def _hold(obj: bpy.types.Object, keyed: Sequence[str], frame: float) -> None:
             _key(action, obj, bone.path_from_id("location"), name, frames, none)
     for name, prop, value in found.switches:
         bone = obj.pose.bones[name]
-        path = f'{bone.path_from_id()}["{bpy.utils.escape_identifier(prop)}"]'
-        _key(action, obj, path, name, frames, np.array([[value]]))
+        _key(action, obj, before.switch_path(bone, prop), name, frames, np.array([[value]]))
 
 
 def _key(

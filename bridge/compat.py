@@ -39,27 +39,45 @@ def ensure_fcurve(
     return curves.find(path, index=index) or curves.new(path, index=index, action_group=group)
 
 
-def assign_action(owner: bpy.types.Object, action: bpy.types.Action) -> None:
-    """Make `action` the owner's, with its slot where actions have slots, so that it plays."""
+def assign_action(owner: bpy.types.Object, action: bpy.types.Action | None, slot: str = "") -> None:
+    """Make `action` the owner's, with its slot where actions have slots, so that it plays.
+
+    Args:
+        owner: what is animated.
+        action: None for none.
+        slot: identifier of the slot, where it is not the first that fits.
+    """
     data = owner.animation_data_create()
     data.action = action
-    if bpy.app.version >= (4, 4, 0) and data.action_slot is None and len(data.action_suitable_slots):
+    if action is None or bpy.app.version < (4, 4, 0):
+        return
+    named = next((s for s in data.action_suitable_slots if s.identifier == slot), None)
+    if named is not None:
+        data.action_slot = named
+    elif data.action_slot is None and len(data.action_suitable_slots):
         data.action_slot = data.action_suitable_slots[0]
 
 
-def fcurves_of(owner: bpy.types.Object) -> list[bpy.types.FCurve]:
-    """The F-curves that animate `owner` through its action."""
+def slot_of(owner: bpy.types.Object) -> str:
+    """Identifier of the slot of the owner's action; "" for none, or where actions have no slots."""
+    slot = getattr(owner.animation_data, "action_slot", None)
+    return "" if slot is None else slot.identifier
+
+
+def fcurves_of(owner: bpy.types.Object, action: bpy.types.Action | None = None) -> list[bpy.types.FCurve]:
+    """The F-curves that animate `owner` through its action, or all those of another action."""
     data = owner.animation_data
-    if data is None or data.action is None:
+    found = action or (None if data is None else data.action)
+    if found is None:
         return []
     if bpy.app.version < (4, 4, 0):
-        return list(data.action.fcurves)  # pyright: ignore[reportAttributeAccessIssue]
+        return list(found.fcurves)  # pyright: ignore[reportAttributeAccessIssue]
     return [
         curve
-        for layer in data.action.layers
+        for layer in found.layers
         for strip in layer.strips
         if isinstance(strip, bpy.types.ActionKeyframeStrip)
         for bag in strip.channelbags
-        if bag.slot_handle == data.action_slot_handle
+        if action is not None or bag.slot_handle == data.action_slot_handle
         for curve in bag.fcurves
     ]

@@ -6,6 +6,7 @@ import bpy
 
 from . import (
     bake,
+    clear,
     contacts,
     databases,
     figures,
@@ -30,6 +31,7 @@ CLASSES = (
     *mapping.CLASSES,
     *rig.CLASSES,
     *bake.CLASSES,
+    *clear.CLASSES,
     *figures.CLASSES,
     *presets.CLASSES,
 )
@@ -41,12 +43,16 @@ def register() -> None:
         bpy.utils.register_class(cls)
     bpy.utils.register_preset_path(SHIPPED_PRESETS)
     bpy.app.handlers.load_pre.append(job_operator.end_before_load)
+    for handlers, function in clear.HANDLERS:
+        handlers.append(function)
 
 
 def unregister() -> None:
     """Take them away again, and end the job that runs."""
     job_operator.end()
     bpy.app.handlers.load_pre.remove(job_operator.end_before_load)
+    for handlers, function in clear.HANDLERS:
+        handlers.remove(function)
     bpy.utils.unregister_preset_path(SHIPPED_PRESETS)
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

@@ -64,6 +64,7 @@ class FOOTWORK_PT_bake(Part, bpy.types.Panel):
             for name in ("action_name", "frame_start", "fit_range", "markers", "keep_previous"):
                 body.prop(footwork, name)
         job_button(layout, "footwork.bake", "ARMATURE_DATA", 1.6)
+        layout.operator("footwork.clear_bake", icon="X")
 
 
 CLASSES = (FOOTWORK_PT_bake_presets, FOOTWORK_PT_bake)
