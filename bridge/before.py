@@ -114,8 +114,13 @@ def clear_bake(obj: bpy.types.Object) -> str:
         obj.animation_data,
         action.name,
     )
+    helpers = []
     for track in list(data.nla_tracks):
-        if any(strip.action == action for strip in track.strips):
+        pushed = track.name in state.get("pushed", ())
+        if pushed or any(strip.action == action for strip in track.strips):
+            helpers += [
+                strip.action for strip in track.strips if strip.action not in (None, action, previous)
+            ]
             data.nla_tracks.remove(track)
     compat.assign_action(obj, previous, state.get("slot", ""))
     for prop, value in state["played"].items():
@@ -130,8 +135,9 @@ def clear_bake(obj: bpy.types.Object) -> str:
     del action[BEFORE]
     if PREVIOUS in action:
         del action[PREVIOUS]
-    if action.users - action.use_fake_user == 0:
-        bpy.data.actions.remove(action)
+    for unused in (action, *helpers):
+        if unused.users - unused.use_fake_user == 0:
+            bpy.data.actions.remove(unused)
     if not state["animated"] and not (len(data.nla_tracks) or len(data.drivers)):
         obj.animation_data_clear()
     obj.update_tag()
@@ -164,6 +170,17 @@ def put_back(obj: bpy.types.Object, state: Mapping[str, Any], but: frozenset[str
 def switch_path(bone: bpy.types.PoseBone, prop: str) -> str:
     """Data path of a custom property of a bone."""
     return f'{bone.path_from_id()}["{bpy.utils.escape_identifier(prop)}"]'
+
+
+def value_before(obj: bpy.types.Object, state: Mapping[str, Any], bone: str, prop: str) -> list[float]:
+    """The channels that a property of a bone had; `prop` as `mechanism.split_path` gives it."""
+    at = 0
+    for channel, size in _CHANNELS.items():
+        if prop == f".{channel}":
+            return state["pose"][bone][at : at + size]
+        at += size
+    found = [value for name, switch, value in state["switches"] if (name, switch) == (bone, prop)]
+    return [float(found[0] if found else obj.pose.bones[bone][prop])]
 
 
 def watch(objects: Any) -> None:

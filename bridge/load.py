@@ -141,3 +141,20 @@ def _elsewhere(path: Path, name: str) -> list[bpy.types.Object]:
                 "make the instance real, or a library override of it"
             )
     return []
+
+
+def editable(obj: bpy.types.Object, scene: bpy.types.Scene) -> bpy.types.Object:
+    """The armature object itself, or of a linked one a library override in the scene, made where there is none.
+
+    Raises:
+        InputError: Blender cannot make one.
+    """
+    if obj.library is None:
+        return obj
+    layer = bpy.context.view_layer if bpy.context.scene == scene else scene.view_layers[0]
+    made = obj.override_hierarchy_create(scene, layer, do_fully_editable=True)
+    if made is None:
+        raise InputError(
+            f"{obj.name}: it is linked from {obj.library.name}, and Blender cannot make a library override of it"
+        )
+    return made

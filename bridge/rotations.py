@@ -34,6 +34,16 @@ def channels(rotations: Array, mode: str) -> Array:
     return euler(rotations, mode)
 
 
+def quaternions(values: Array, mode: str) -> Array:
+    """The way back from `channels`: `(T, 4)` unit quaternions, continuous over time."""
+    if mode == "QUATERNION":
+        return quat.continuous(quat.normalize(values))
+    if mode == "AXIS_ANGLE":
+        axis = values[:, 1:] / np.maximum(np.linalg.norm(values[:, 1:], axis=-1, keepdims=True), 1e-12)
+        return quat.continuous(quat.from_rotation_vector(values[:, :1] * axis))
+    return quat.continuous(quat.from_euler(values[:, ["XYZ".index(axis) for axis in mode[::-1]]], mode[::-1]))
+
+
 def euler(rotations: Array, mode: str) -> Array:
     """Blender Euler angles `(T, 3)` as x, y, z, without jumps by whole turns or to the mirrored solution."""
     # Blender's "XYZ" turns about x first, about fixed axes: the reverse order about moving axes

@@ -12,15 +12,18 @@ from ..core.body.motion import Motion
 from ..core.errors import InputError
 from ..core.pipeline import BakeResult
 from ..core.rig.ground import Ground
+from ..core.rig.place import Place
 from ..core.rig.rig import Rig
 from ..core.transaction import Transaction
-from .action import scene_fps, write_action
+from .action import check_writable, scene_fps, write_action
 from .armature import armature_to_rig, create_armature, rig_doubts, some
 from .errors import writing
 from .exports import Baked, kind_of
 from .ground import chosen_ground
-from .load import append, armature_of, check_ground, open_rig, split_rig
+from .layers import check_layer, layer
+from .load import append, armature_of, check_ground, editable, open_rig, split_rig
 from .lookup import in_view, leave_edit_mode, metres_per_unit
+from .places import place_of_object, place_of_rig
 from .proof import prove
 from .shown import Array, joint_poses
 
@@ -44,6 +47,11 @@ class Target:
     """What was written, for exports that Blender does not do."""
     frames: tuple[int, int] = (1, 1)
     """First and last frame of the bake."""
+
+    write_as: str = "new"
+    """What `layers.layer` makes of it."""
+    blend: int = 0
+    """Frames to fade in and out."""
 
     @property
     def name(self) -> str:
@@ -75,6 +83,29 @@ class Target:
         ground = chosen_ground(scene, [found], rig, metres_per_unit(scene))
         assert ground is not None
         return ground
+
+    def place(self, spec: str) -> Place | None:
+        """Where the bake is to start: "recording", "rig", or the name of an object of the scene.
+
+        Raises:
+            InputError: there is no such object, or no rig.
+        """
+        if spec == "recording":
+            return None
+        scene = bpy.context.scene
+        found = bpy.data.objects.get(self.object_name if spec == "rig" else spec)
+        if found is None:
+            raise InputError(
+                f"--at {spec}: no such object in the rig's file; give rig, recording or an object's name"
+            )
+        if spec != "rig":
+            return place_of_object(found, metres_per_unit(scene))
+        with in_view(found, scene):
+            return place_of_rig(found, metres_per_unit(scene))
+
+    def check_layer(self) -> None:
+        """Raise InputError where the bake cannot be written as is asked for."""
+        check_layer(bpy.data.objects.get(self.object_name) if self.rig else None, self.write_as.upper())
 
     def write(self, result: BakeResult, recording: str) -> None:
         """Give the rig its action, made first where the file had none, and fit the scene to it."""
@@ -110,6 +141,8 @@ class Target:
                 with outputs.staging(path) as new, writing(path):
                     kind_of(path).write(baked, new)
         scene.frame_start, scene.frame_end = kept
+        # exports are of the bake alone
+        layer(baked.armature, self.write_as.upper(), self.blend)
         for path in blends:
             with outputs.staging(path) as new, writing(path):
                 _save_copy(new, Path(path).resolve().parent)
@@ -140,7 +173,8 @@ def open_target(
     scene, own = bpy.context.scene, path.suffix.lower() == ".blend"
     if fps or not own:
         _set_rate(fps or usual_fps)
-    armature = armature_of(path, object_name)
+    armature = editable(armature_of(path, object_name), scene)
+    check_writable(armature)
     leave_edit_mode(armature)
     with in_view(armature, scene):
         bpy.context.view_layer.update()

@@ -38,6 +38,7 @@ def add_bake_options(parser: argparse.ArgumentParser) -> None:
         metavar="FILE.blend[:NAME]",
         help="what the feet stand on: an object or collection of a .blend, or all of it; comes into the output, too",
     )
+    _add_layers(parser)
     add_answers(parser)
     parser.add_argument(
         "--fps", type=float, metavar="N", help="frame rate of the scene (default: the database's)"
@@ -61,6 +62,30 @@ def add_bake_options(parser: argparse.ArgumentParser) -> None:
         help="a report of an earlier bake, to be repeated: all that is not given is as it was there",
     )
     add_settings(parser, BakeSettings)
+
+
+def _add_layers(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--at",
+        default="recording",
+        metavar="PLACE",
+        help='where the bake starts: "rig" for where the rig stands and faces, or the name of an object in the rig\'s '
+        'file, along whose Y axis the body then faces (default: "recording", its own world)',
+    )
+    parser.add_argument(
+        "--write",
+        choices=("new", "range", "strip"),
+        default="new",
+        help="a new action, the bake's frames in a copy of the rig's present action, or an NLA strip on top of it "
+        "(default: new)",
+    )
+    parser.add_argument(
+        "--blend",
+        type=int,
+        default=0,
+        metavar="FRAMES",
+        help="frames over which a range or a strip fades in and out (default: 0)",
+    )
 
 
 def _add_part(parser: argparse.ArgumentParser) -> None:

@@ -98,9 +98,15 @@ def make(
     for doubt in target.doubts if target else ():
         tell(f"{target.name}: doubtful: {doubt}")
     ground = target.ground(options.ground) if target and options.ground else None
+    place = target.place(options.at) if target else None
+    if target:
+        target.write_as, target.blend = options.write, options.blend
+        target.check_layer()
     fps = target.fps if target else options.fps or databases[0].fps
     rig = target.rig if target else None
-    result = run(bake(recording, databases, predict, rig, settings, output_fps=fps, ground=ground))
+    result = run(
+        bake(recording, databases, predict, rig, settings, output_fps=fps, ground=ground, place=place)
+    )
     if target:
         target.write(result, Path(options.recording).stem)
         target.save([path for path in targets if not _is_tracks(path)], outputs)

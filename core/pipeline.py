@@ -32,6 +32,7 @@ from .rig.fit import fit_rig, rig_from_skeleton
 from .rig.gate import check_finite, check_rig, check_tracks
 from .rig.ground import Footing, Ground
 from .rig.keys import to_bone_tracks
+from .rig.place import Place, from_start, ground_from, put
 from .rig.rig import BoneTracks, Rig
 from .settings import BakeSettings, check
 
@@ -63,6 +64,8 @@ class BakeResult:
     warnings: tuple[str, ...]
     yardstick: Yardstick
     """What the motion was measured by, for measuring it once more as Blender shows it."""
+    place: Place | None = None
+    """Where the motion was put, which what it was measured by was not."""
 
 
 def bake(
@@ -75,6 +78,7 @@ def bake(
     output_fps: float | None = None,
     truth: Motion | None = None,
     ground: Ground | None = None,
+    place: Place | None = None,
 ) -> Job[BakeResult]:
     """Animate a rig from a recording.
 
@@ -88,6 +92,7 @@ def bake(
         truth: the user's true motion at the databases' rate, in the world of the recording: adds the errors that
             need it and the floors of the others.
         ground: what the avatar stands on, in metres of the world; None for the recording's flat floor.
+        place: where the recording is to start; None for the recording's own world.
 
     Raises:
         InputError: settings out of bounds, no database, databases or rig that do not fit.
@@ -100,6 +105,9 @@ def bake(
     check_rig(rig)
     fit = fit_rig(rig)
     recording = resample(recording, fps)
+    if place is not None:
+        recording = from_start(recording)
+        ground = None if ground is None else ground_from(ground, place)
 
     yield 0.02, "Predicting body orientation"
     estimate = predict(recording)
@@ -136,7 +144,8 @@ def bake(
     clock.lap("rig")
 
     yield 0.9, "Making keys"
-    tracks = to_bone_tracks(made, fit, output_fps or fps)
+    put_there = made if place is None else put(made, place)
+    tracks = to_bone_tracks(put_there, fit, output_fps or fps)
     check_tracks(tracks, rig)
     clock.lap("keys")
 
@@ -162,7 +171,9 @@ def bake(
     clock.lap("measures")
     report = _report(recording, databases, settings, scales, values, doubts, clock)
     times = playback.transitions / fps
-    return BakeResult(rig, tracks, made, avatar.contacts, playback, times, report, doubts, yardstick)
+    return BakeResult(
+        rig, tracks, put_there, avatar.contacts, playback, times, report, doubts, yardstick, place
+    )
 
 
 def _size_doubts(rig: Rig, skeleton: Skeleton) -> tuple[str, ...]:

@@ -9,8 +9,11 @@ import bpy
 from ..bridge import armature
 from ..bridge.action import check_writable, scene_fps, write_action
 from ..bridge.ground import chosen_ground
+from ..bridge.layers import check_layer, layer
+from ..bridge.load import editable
 from ..bridge.lookup import in_view, keep_object, keep_scene, leave_edit_mode, metres_per_unit
 from ..bridge.objects import recording_from_objects
+from ..bridge.places import place_of_object, place_of_rig
 from ..bridge.proof import prove
 from ..bridge.settings import read_settings, typed
 from ..core import pipeline
@@ -23,6 +26,7 @@ from ..core.recording.read import read_recording
 from ..core.recording.reading.answers import Answers
 from ..core.recording.recording import Recording
 from ..core.rig.ground import Ground
+from ..core.rig.place import Place
 from ..core.rig.rig import Rig
 from ..core.settings import BakeSettings
 from ..nn import predictor
@@ -53,6 +57,8 @@ class Source:
     """As it is at the current frame; None for the recording's floor."""
     settings: BakeSettings
     fps: float
+    place: Place | None
+    """Where the recording is to start; None for its own world."""
 
 
 class FOOTWORK_OT_bake(JobOperator, bpy.types.Operator):
@@ -81,11 +87,13 @@ class FOOTWORK_OT_bake(JobOperator, bpy.types.Operator):
         footwork = footwork_of(scene)
         rig = footwork.rig
         if rig is not None:
-            check_writable(rig)
+            if rig.library is None:
+                check_writable(rig)
             if rig.name not in scene.objects:
                 raise InputError(f"{rig.name}: it is not in this scene; pick another rig")
             for doubt in armature.rig_doubts(rig):
                 self.tell("WARNING", f"{rig.name}: {doubt}")
+        check_layer(rig, footwork.write)
         self._scene, self._rig = keep_scene(scene), None if rig is None else keep_object(rig)
         self.kept = (self._scene,) if self._rig is None else (self._scene, self._rig)
         self._name = footwork.action_name
@@ -99,7 +107,7 @@ class FOOTWORK_OT_bake(JobOperator, bpy.types.Operator):
             rig = armature.create_armature(result.rig, "Avatar", collection, unit)
             footwork.rig = rig
         else:
-            rig = self._rig.find()
+            footwork.rig = rig = editable(self._rig.find(), scene)
         name = self._name or Path(result.report["inputs"][0]["name"]).stem or "Footwork"
         action = write_action(
             rig,
@@ -115,6 +123,7 @@ class FOOTWORK_OT_bake(JobOperator, bpy.types.Operator):
             scene.frame_start = footwork.frame_start
             scene.frame_end = footwork.frame_start + max(frames - 1, 1)
         prove(rig, scene, result, footwork.frame_start)
+        action = layer(rig, footwork.write, footwork.blend)
         figures.show(footwork, result.report, f"{action.name} on {rig.name}", scene_fps(scene))
         text = bpy.data.texts.get(REPORT) or bpy.data.texts.new(REPORT)
         text.from_string(to_json(result.report, indent=2))
@@ -164,7 +173,20 @@ def read_source(scene: bpy.types.Scene) -> Source:
         ground=ground,
         settings=read_settings(footwork.bake, BakeSettings),
         fps=scene_fps(scene),
+        place=_place(scene),
     )
+
+
+def _place(scene: bpy.types.Scene) -> Place | None:
+    footwork, unit = footwork_of(scene), metres_per_unit(scene)
+    if footwork.place == "MARKER":
+        if footwork.place_marker is None:
+            raise InputError("Place: pick the object at which the bake is to start")
+        return place_of_object(footwork.place_marker, unit)
+    if footwork.place == "RIG" and footwork.rig is not None:
+        with in_view(footwork.rig, scene):
+            return place_of_rig(footwork.rig, unit)
+    return None
 
 
 def _bake(source: Source):
@@ -184,6 +206,7 @@ def _bake(source: Source):
         source.settings,
         output_fps=source.fps,
         ground=source.ground,
+        place=source.place,
     )
     return (yield from part(job, 0.05, 1.0))
 

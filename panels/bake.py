@@ -50,6 +50,9 @@ class FOOTWORK_PT_bake(Part, bpy.types.Panel):
         column.use_property_split = True
         column.prop(footwork, "ground")
         column.prop(footwork, "ground_collection", text="Collection")
+        column.prop(footwork, "place")
+        if footwork.place == "MARKER":
+            column.prop(footwork, "place_marker")
         header, body = layout.panel("FOOTWORK_bake_advanced", default_closed=True)
         header.label(text="Advanced")
         if body:
@@ -61,6 +64,9 @@ class FOOTWORK_PT_bake(Part, bpy.types.Panel):
         if body:
             body.use_property_split = True
             body.use_property_decorate = False
+            body.prop(footwork, "write")
+            if footwork.write != "NEW":
+                body.prop(footwork, "blend")
             for name in ("action_name", "frame_start", "fit_range", "markers", "keep_previous"):
                 body.prop(footwork, name)
         job_button(layout, "footwork.bake", "ARMATURE_DATA", 1.6)

@@ -172,6 +172,37 @@ class FOOTWORK_PG_scene(Versioned, bpy.types.PropertyGroup):
         type=bpy.types.Collection,
     )
     bake: PointerProperty(type=FOOTWORK_PG_bake_settings)
+    place: EnumProperty(
+        name="Place",
+        description="Where in the scene the bake is",
+        items=[
+            ("RECORDING", "Recording", "In the recording's own world, wherever the rig stands"),
+            ("RIG", "Rig", "It starts where the rig stands, facing as the rig faces"),
+            ("MARKER", "Marker", "It starts at an object and faces along the object's Y axis"),
+        ],
+    )
+    place_marker: PointerProperty(
+        name="Marker",
+        description="Object at which the bake starts, as it is at the current frame: its place is the floor there, "
+        "its Y axis the way that the body faces",
+        type=bpy.types.Object,
+    )
+    write: EnumProperty(
+        name="Write",
+        description="What becomes of the rig's present animation",
+        items=[
+            ("NEW", "New Action", "The bake is a new action; the present one is kept"),
+            ("RANGE", "Into the Action", "A copy of the present action has the bake in the bake's frames"),
+            ("STRIP", "NLA Strip", "The bake is a strip on top, with the present action as a strip below it"),
+        ],
+    )
+    blend: IntProperty(
+        name="Blend",
+        description="Frames over which the bake fades in and out of what it is written into or lies on",
+        default=0,
+        min=0,
+        soft_max=60,
+    )
     action_name: StringProperty(
         name="Action", description="Name of the new action; empty for the recording's name"
     )

@@ -81,3 +81,29 @@ def test_a_map_made_in_the_panel_counts_in_every_scene(empty, tmp_path: Path, mo
     assert armature.detected_preset(fresh) == ("odd one", ())
     found = armature.detected_roles(fresh)
     assert {role: found[role] for role in wanted} == wanted
+
+
+def test_a_linked_character_is_baked_in_the_shot(empty, ready, tmp_path: Path) -> None:
+    held = bpy.data.collections.new("Hero")
+    empty.collection.children.link(held)
+    obj = rig("hero")
+    held.objects.link(obj)
+    empty.collection.objects.unlink(obj)
+    bpy.data.libraries.write(str(tmp_path / "hero.blend"), {held})
+    bpy.data.objects.remove(obj)
+    bpy.data.collections.remove(held)
+    with bpy.data.libraries.load(str(tmp_path / "hero.blend"), link=True) as (_, here):
+        here.collections = ["Hero"]
+    empty.collection.children.link(here.collections[0])
+    linked = bpy.data.objects["hero"]
+    assert linked.library is not None
+    ready.rig, ready.recording_to = linked, 1.0
+    assert bpy.ops.footwork.bake() == {"FINISHED"}
+    made = ready.rig
+    assert made.library is None and made.override_library.reference == linked
+    assert made.animation_data.action is not None and linked.animation_data is None
+    heads = []
+    for frame in (1, 60):
+        empty.frame_set(frame)
+        heads.append(helpers.world_heads(made, ("Head", "LeftWrist")))
+    assert abs(heads[1] - heads[0]).max() > 0.01
