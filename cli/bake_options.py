@@ -73,7 +73,7 @@ def _add_layers(parser: argparse.ArgumentParser) -> None:
         'file, along whose Y axis the body then faces (default: "recording", its own world)',
     )
     parser.add_argument(
-        "--write",
+        "--layer",
         choices=("new", "range", "strip"),
         default="new",
         help="a new action, the bake's frames in a copy of the rig's present action, or an NLA strip on top of it "

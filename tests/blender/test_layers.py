@@ -182,7 +182,7 @@ def test_the_command_line_puts_and_layers_a_bake(database, recording, tmp_path) 
     words = ["bake", str(recording), "--database", str(database), "--to", "1", "--rig", rig, "-o", out]
     assert main([*words, "--at", "Nobody"]) == 2
     glb = tmp_path / "out.glb"
-    assert main([*words, "--at", "Mark", "--write", "strip", "--blend", "5", "--export", str(glb)]) == 0
+    assert main([*words, "--at", "Mark", "--layer", "strip", "--blend", "5", "--export", str(glb)]) == 0
     assert glb.stat().st_size > 10000
     bpy.ops.wm.open_mainfile(filepath=out)
     obj = bpy.data.objects["Plain"]
