@@ -49,7 +49,7 @@ def root_of(motion: Motion) -> Root:
     return Root(motion.fps, places[:, :2], filters.gaussian(yaws, sigma), places[:, 2])
 
 
-def soft_contacts(contacts: Array, fps: float) -> Array:
+def soft_contacts(contacts: Array | NDArray[np.bool_], fps: float) -> Array:
     """Contacts `(T, 2)`, 0 or 1, under a bell of 50 ms."""
     half = round(1.0 * fps)
     padded = np.pad(np.asarray(contacts, dtype=np.float64), ((half, half), (0, 0)), mode="edge")
