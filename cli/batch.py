@@ -1,4 +1,4 @@
-"""`batch`: many recordings, on all cores of a machine."""
+"""`batch`: many recordings, on all cores of a machine or on a cluster."""
 
 from __future__ import annotations
 
@@ -62,6 +62,12 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--workers", type=int, metavar="N", help="processes (default: one for each core)")
     parser.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="use the Dask cluster of this scheduler (tcp://HOST:PORT, or its scheduler file), or with "
+        "the word local one that is started here with --workers processes; needs distributed",
+    )
+    parser.add_argument(
         "--timeout", type=float, metavar="S", help="seconds for one recording, after which it has failed"
     )
     parser.add_argument(
@@ -81,6 +87,7 @@ def _prepare(options: argparse.Namespace) -> None:
         "json": None,
         "write": ["blend"],
         "workers": None,
+        "scheduler": None,
         "timeout": None,
         "resume": False,
     }
@@ -91,6 +98,8 @@ def _prepare(options: argparse.Namespace) -> None:
     options.workers = _cores() if options.workers is None else options.workers
     if options.workers < 1:
         raise InputError(f"--workers {options.workers}: give at least one")
+    if options.scheduler == "":
+        raise InputError("--scheduler: give an address, or local")
     if options.timeout is not None and not options.timeout > 0.0:
         raise InputError(f"--timeout {options.timeout:g}: give seconds")
     options.done = ""
@@ -137,11 +146,11 @@ def _followed(tasks: list[dict[str, Any]], options: argparse.Namespace, start: f
     """The rows of all tasks, with progress told as they come."""
     from ..core.batch.progress import Progress
 
-    progress = Progress(len(tasks), sum(task["bytes"] for task in tasks), options.workers)
     reports = {task["name"]: Path(task["report"]).relative_to(options.output).as_posix() for task in tasks}
     rows: list[dict[str, Any]] = []
     told = start
-    with contextlib.closing(_engine(tasks, options)) as results:
+    with _engine(tasks, options) as (results, options.workers):
+        progress = Progress(len(tasks), sum(task["bytes"] for task in tasks), options.workers)
         for row in results:
             rows.append({**row, "report": reports[row["name"]]})
             size, spent = row.pop("bytes"), row.get("spent_s", 0.0)
@@ -156,10 +165,23 @@ def _followed(tasks: list[dict[str, Any]], options: argparse.Namespace, start: f
     return rows
 
 
-def _engine(tasks: list[dict[str, Any]], options: argparse.Namespace) -> Generator[dict[str, Any]]:
+@contextlib.contextmanager
+def _engine(
+    tasks: list[dict[str, Any]], options: argparse.Namespace
+) -> Generator[tuple[Generator[dict[str, Any]], int]]:
+    """The rows of tasks as they are done, and how many are done at once."""
+    from . import dask_engine
     from .hands import on_this_machine
 
-    return on_this_machine(tasks, options.workers, options.timeout)
+    if options.scheduler is None:
+        with contextlib.closing(on_this_machine(tasks, options.workers, options.timeout)) as rows:
+            yield rows, options.workers
+        return
+    with (
+        dask_engine.cluster(options.scheduler, options.workers) as client,
+        contextlib.closing(dask_engine.on_cluster(client, tasks, options.timeout)) as rows,
+    ):
+        yield rows, dask_engine.threads_of(client)
 
 
 def _write_summary(report: Report, folder: Path, outputs: Transaction) -> None:
@@ -174,7 +196,7 @@ def _write_summary(report: Report, folder: Path, outputs: Transaction) -> None:
 
 BATCH = Verb(
     "batch",
-    "bake many recordings on all cores of a machine",
+    "bake many recordings on all cores of a machine, or on a cluster",
     _add_arguments,
     _run,
     prepare=_prepare,

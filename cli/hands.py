@@ -170,11 +170,11 @@ def on_this_machine(tasks: Sequence[Task], workers: int, timeout: float | None) 
                 yield row
     finally:
         closed.set()
-        _end_all(hands)
+        end_all(hands)
 
 
-def _end_all(hands: Sequence[Hand]) -> None:
-    """All at once: each may take its time."""
+def end_all(hands: Sequence[Hand]) -> None:
+    """End the workers of all hands at once: each may take its time."""
     closing = [threading.Thread(target=hand.close, daemon=True) for hand in hands]
     for thread in closing:
         thread.start()

@@ -13,7 +13,18 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-FOREIGN = {"bpy", "mathutils", "gpu", "bl_ui", "torch", "scipy", "matplotlib", "optuna", "pymotion"}
+FOREIGN = {
+    "bpy",
+    "mathutils",
+    "gpu",
+    "bl_ui",
+    "torch",
+    "scipy",
+    "matplotlib",
+    "optuna",
+    "pymotion",
+    "distributed",
+}
 
 BASE = {
     *("bounds", "errors", "files", "jobs", "json_text", "methods", "npz", "presets", "settings", "staging"),
