@@ -73,6 +73,13 @@ def keep(obj: bpy.types.Object, action: bpy.types.Action, state: State, previous
     _watched[obj.session_uid] = action.session_uid
 
 
+def keep_too(obj: bpy.types.Object, action: bpy.types.Action, bone: str) -> None:
+    """Keep of one more bone what it is now, before a bake's action keys it."""
+    state = json.loads(action[BEFORE])
+    state["pose"].setdefault(bone, state_of(obj)["pose"][bone])
+    action[BEFORE] = json.dumps(state)
+
+
 def inherited(state: State, previous: bpy.types.Action) -> tuple[State, Any]:
     """What was before an earlier bake that goes for a new one: state and action."""
     if BEFORE not in previous:

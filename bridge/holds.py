@@ -49,6 +49,12 @@ def holds(obj: bpy.types.Object, keyed: Sequence[str]) -> Holds:
     return Holds(tuple(controls), tuple((*where, value) for where, value in switches.items()))
 
 
+def above_hips(obj: bpy.types.Object, hips: str) -> set[str]:
+    """The bones that the hips hang on or copy, all the way up."""
+    drivers = drivers_of(obj)
+    return _reached(obj, _next(obj, obj.pose.bones[hips], drivers, {}), drivers, {hips}, {})
+
+
 def _connected_above(hips: bpy.types.PoseBone) -> list[str]:
     """Bones that carry the hips because these cannot have a location of their own."""
     out, bone = [], hips

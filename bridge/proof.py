@@ -126,6 +126,8 @@ def _measure_shown(
     motion = result.motion
     frames = frame_start + np.arange(len(motion)) * (scene_fps(scene) / motion.fps)
     poses = poses_at(obj, scene, fit, frames, metres_per_unit(scene))
+    if result.lost is not None:
+        poses = poses[0] + result.lost[:, None], poses[1]
     if result.place is not None:
         poses = result.place.from_scene(*poses)
     values = measure(result.yardstick, Body(motion.skeleton, motion.fps, *poses))

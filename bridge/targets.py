@@ -26,6 +26,7 @@ from .lookup import in_view, leave_edit_mode, metres_per_unit
 from .places import place_of_object, place_of_rig
 from .proof import prove
 from .shown import Array, joint_poses
+from .travel import carry_on_root, check_travel, without_way
 
 _WITH_FILES = ("libraries", "images", "sounds", "movieclips", "fonts", "cache_files", "volumes", "texts")
 """Collections of `bpy.data` whose data-blocks have a `filepath`."""
@@ -52,6 +53,8 @@ class Target:
     """What `layers.layer` makes of it."""
     blend: int = 0
     """Frames to fade in and out."""
+    travel: str = "hips"
+    """One of `core.rig.travel.TRAVELS`."""
 
     @property
     def name(self) -> str:
@@ -103,9 +106,11 @@ class Target:
         with in_view(found, scene):
             return place_of_rig(found, metres_per_unit(scene))
 
-    def check_layer(self) -> None:
+    def check(self) -> None:
         """Raise InputError where the bake cannot be written as is asked for."""
-        check_layer(bpy.data.objects.get(self.object_name) if self.rig else None, self.write_as.upper())
+        rig = bpy.data.objects.get(self.object_name) if self.rig else None
+        check_layer(rig, self.write_as.upper())
+        check_travel(rig, self.travel)
 
     def write(self, result: BakeResult, recording: str) -> None:
         """Give the rig its action, made first where the file had none, and fit the scene to it."""
@@ -116,10 +121,13 @@ class Target:
         armature = bpy.data.objects[self.object_name]
         times = [float(time) for time in result.transition_times]
         start = 1 if self.fit_range else scene.frame_start
+        result = without_way(result, self.travel)
         write_action(armature, result.tracks, recording, fps=self.fps, frame_start=start, marker_times=times)
         if self.fit_range:
             scene.frame_start, scene.frame_end = 1, max(len(result.tracks.rotations), 1)
             scene.frame_set(1)
+        if self.travel == "root":
+            carry_on_root(armature, scene, result, start)
         prove(armature, scene, result, start)
         self.motion, self.frames = result.motion, (start, start + max(len(result.tracks.rotations), 1) - 1)
 

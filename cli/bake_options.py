@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from ..core.errors import FaultError, InputError
+from ..core.rig.travel import TRAVELS
 from ..core.settings import BakeSettings
 from .answers import add_answers
 from .options import InputPath, add_bone_map, add_database, add_limits, add_settings
@@ -85,6 +86,12 @@ def _add_layers(parser: argparse.ArgumentParser) -> None:
         default=0,
         metavar="FRAMES",
         help="frames over which a range or a strip fades in and out (default: 0)",
+    )
+    parser.add_argument(
+        "--travel",
+        choices=tuple(TRAVELS),
+        default="hips",
+        help="what carries the way over the ground: the hips, a root bone above them, or nothing (default: hips)",
     )
 
 

@@ -66,6 +66,8 @@ class BakeResult:
     """What the motion was measured by, for measuring it once more as Blender shows it."""
     place: Place | None = None
     """Where the motion was put, which what it was measured by was not."""
+    lost: Array | None = None
+    """`(T, 3)` the way over the ground that was taken out of the motion afterwards."""
 
 
 def bake(

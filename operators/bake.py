@@ -16,6 +16,7 @@ from ..bridge.objects import recording_from_objects
 from ..bridge.places import place_of_object, place_of_rig
 from ..bridge.proof import prove
 from ..bridge.settings import read_settings, typed
+from ..bridge.travel import carry_on_root, check_travel, without_way
 from ..core import pipeline
 from ..core.database.sidecar import load_database
 from ..core.errors import InputError
@@ -94,6 +95,7 @@ class FOOTWORK_OT_bake(JobOperator, bpy.types.Operator):
             for doubt in armature.rig_doubts(rig):
                 self.tell("WARNING", f"{rig.name}: {doubt}")
         check_layer(rig, footwork.write)
+        check_travel(rig, footwork.travel)
         self._scene, self._rig = keep_scene(scene), None if rig is None else keep_object(rig)
         self.kept = (self._scene,) if self._rig is None else (self._scene, self._rig)
         self._name = footwork.action_name
@@ -108,6 +110,7 @@ class FOOTWORK_OT_bake(JobOperator, bpy.types.Operator):
             footwork.rig = rig
         else:
             footwork.rig = rig = editable(self._rig.find(), scene)
+        result = without_way(result, footwork.travel)
         name = self._name or Path(result.report["inputs"][0]["name"]).stem or "Footwork"
         action = write_action(
             rig,
@@ -122,6 +125,8 @@ class FOOTWORK_OT_bake(JobOperator, bpy.types.Operator):
         if footwork.fit_range:
             scene.frame_start = footwork.frame_start
             scene.frame_end = footwork.frame_start + max(frames - 1, 1)
+        if footwork.travel == "root":
+            carry_on_root(rig, scene, result, footwork.frame_start)
         prove(rig, scene, result, footwork.frame_start)
         action = layer(rig, footwork.write, footwork.blend)
         figures.show(footwork, result.report, f"{action.name} on {rig.name}", scene_fps(scene))

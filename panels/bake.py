@@ -64,6 +64,7 @@ class FOOTWORK_PT_bake(Part, bpy.types.Panel):
         if body:
             body.use_property_split = True
             body.use_property_decorate = False
+            body.prop(footwork, "travel")
             body.prop(footwork, "write")
             if footwork.write != "NEW":
                 body.prop(footwork, "blend")

@@ -13,6 +13,7 @@ from bpy.props import (
 
 from ..bridge.ground import SURFACES
 from ..core.bounds import EYE_HEIGHT
+from ..core.rig.travel import TRAVELS
 from .file_path import file_path
 from .reading import FOOTWORK_PG_reading
 from .rows import STATES, FOOTWORK_PG_database, FOOTWORK_PG_figure, FOOTWORK_PG_take
@@ -186,6 +187,11 @@ class FOOTWORK_PG_scene(Versioned, bpy.types.PropertyGroup):
         description="Object at which the bake starts, as it is at the current frame: its place is the floor there, "
         "its Y axis the way that the body faces",
         type=bpy.types.Object,
+    )
+    travel: EnumProperty(
+        name="Travel",
+        description="What carries the way over the ground, as game engines ask for it",
+        items=[(name, name.replace("-", " ").title(), text) for name, text in TRAVELS.items()],
     )
     write: EnumProperty(
         name="Write",
