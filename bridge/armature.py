@@ -42,6 +42,7 @@ def armature_to_rig(obj: bpy.types.Object, metres_per_unit: float = 1.0) -> Rig:
     roles = _roles(obj, names, role_map(obj))
     world = np.array(obj.matrix_world, dtype=np.float64)
     world[:3] *= metres_per_unit
+    world[:3, :3] *= _carried_scale(obj, role_map(obj).get("hips", ""))
     order, parents = _as_moved(obj, names, parents)
     parents = _lifted(parents, [roles[bone] for bone in order], obj, [names[bone] for bone in order])
     rig = Rig(
@@ -57,6 +58,15 @@ def armature_to_rig(obj: bpy.types.Object, metres_per_unit: float = 1.0) -> Rig:
     depth = sole_depth(obj, {role: bone for role, bone in role_map(obj).items() if bone})
     sole = None if depth is None else depth * metres_per_unit
     return whole_limbs(unmirrored(replace(rig, sole=sole)))
+
+
+def _carried_scale(obj: bpy.types.Object, hips: str) -> float:
+    """How many times as large the bones above the hips make the body in its present pose; 1 if not evenly."""
+    bone = obj.pose.bones.get(hips)
+    if bone is None or bone.parent is None:
+        return 1.0
+    scale = bone.parent.matrix.to_scale()
+    return scale.x if max(scale) - min(scale) < 1e-3 * abs(scale.x) else 1.0
 
 
 def carrier_of(hips: bpy.types.PoseBone) -> bpy.types.PoseBone:

@@ -153,6 +153,8 @@ def editable(obj: bpy.types.Object, scene: bpy.types.Scene) -> bpy.types.Object:
         return obj
     layer = bpy.context.view_layer if bpy.context.scene == scene else scene.view_layers[0]
     made = obj.override_hierarchy_create(scene, layer, do_fully_editable=True)
+    # of an object that is linked without its collection
+    made = made or obj.override_create(remap_local_usages=True)
     if made is None:
         raise InputError(
             f"{obj.name}: it is linked from {obj.library.name}, and Blender cannot make a library override of it"

@@ -54,7 +54,7 @@ class Target:
     blend: int = 0
     """Frames to fade in and out."""
     travel: str = "hips"
-    """One of `core.rig.travel.TRAVELS`."""
+    """One of `core.methods.TRAVELS`."""
 
     @property
     def name(self) -> str:

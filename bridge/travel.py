@@ -68,8 +68,8 @@ def carry_on_root(
         InputError: there is no root bone.
     """
     check_travel(obj, "root")
-    bone = root_bone(obj)
-    assert bone is not None
+    bone, action = root_bone(obj), obj.animation_data.action
+    assert bone is not None and action is not None
     places, yaws = way(resample(result.motion, result.tracks.fps))
     fit = fit_rig(result.rig)
     unit = metres_per_unit(scene)
@@ -85,7 +85,7 @@ def carry_on_root(
     rest = np.array(bone.bone.matrix_local, dtype=np.float64)
     basis = np.linalg.inv(world @ rest) @ steps @ (world @ rest)
     locations, rotations = basis[:, :3, 3], quat.continuous(quat.from_matrix(basis[:, :3, :3]))
-    keep_too(obj, obj.animation_data.action, bone.name)
+    keep_too(obj, action, bone.name)
     with in_view(obj, scene):
         key_bone(obj, bone, locations, rotations, round(frame_start))
         compensate(obj, scene, result, frame_start)

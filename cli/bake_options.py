@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from ..core.errors import FaultError, InputError
-from ..core.rig.travel import TRAVELS
+from ..core.methods import TRAVELS
 from ..core.settings import BakeSettings
 from .answers import add_answers
 from .options import InputPath, add_bone_map, add_database, add_limits, add_settings

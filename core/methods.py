@@ -78,3 +78,10 @@ FOOT_PLANS = Methods(
     Method("matched", "Feet go where the matched motion has them", "rig.feet:follow_feet"),
 )
 """Where feet go: `(motion, contacts, settings, body) -> FootPlan` (see `rig.feet`)."""
+
+TRAVELS = {
+    "hips": "The hips carry the way over the ground",
+    "root": "The bone above all others carries the way and the direction, the hips what is left",
+    "in-place": "The body stays where it starts; it turns and goes up and down",
+}
+"""What can become of the way over the ground."""

@@ -13,7 +13,7 @@ from bpy.props import (
 
 from ..bridge.ground import SURFACES
 from ..core.bounds import EYE_HEIGHT
-from ..core.rig.travel import TRAVELS
+from ..core.methods import TRAVELS
 from .file_path import file_path
 from .reading import FOOTWORK_PG_reading
 from .rows import STATES, FOOTWORK_PG_database, FOOTWORK_PG_figure, FOOTWORK_PG_take

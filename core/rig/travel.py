@@ -13,12 +13,6 @@ from ..maths import angles, filters, quat
 
 Array = NDArray[np.floating[Any]]
 
-TRAVELS = {
-    "hips": "The hips carry the way over the ground",
-    "root": "The bone above all others carries the way and the direction, the hips what is left",
-    "in-place": "The body stays where it starts; it turns and goes up and down",
-}
-"""What can become of the way over the ground."""
 SMOOTHING = 0.4
 """Seconds of the window over the way: a root does not sway with each step."""
 

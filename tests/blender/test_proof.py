@@ -165,9 +165,14 @@ def feet_on_trunk(scene: bpy.types.Scene, obj: bpy.types.Object) -> None:
     edited(obj, change)
 
 
+def root_in_a_pose(scene: bpy.types.Scene, obj: bpy.types.Object) -> None:
+    root = obj.pose.bones["Root"]
+    root.location, root.rotation_quaternion = (0.4, 0.2, -0.3), (0.8, 0.1, 0.5, 0.2)
+
+
 OVERCOME: list[Callable[..., None]] = [
     moving_parent, constrained_root, travelling_root, driven_root, solo_track, added_action, no_local_location,
-    excluded, in_edit_mode, feet_on_root, feet_on_moving_root, feet_on_trunk,
+    excluded, in_edit_mode, feet_on_root, feet_on_moving_root, feet_on_trunk, root_in_a_pose,
 ]  # fmt: skip
 
 
@@ -185,6 +190,23 @@ def test_what_can_be_overcome_is(empty, plain, disturb) -> None:
     np.testing.assert_allclose(found, plain, atol=1e-3)
     assert report()["proof"]["bone"] == "" and report()["proof"]["position_mm"] < 1.0
     assert not [line for line in report()["warnings"] if "meant to be" in line]
+
+
+def test_a_body_that_its_root_makes_larger_is_a_larger_body(empty, plain) -> None:
+    """The same bake as onto an object of that scale, whose scale no bone has."""
+    obj = make_rig(empty)
+    root = obj.pose.bones["Root"]
+    root.scale, root.location = (1.2, 1.2, 1.2), (0.3, 0.1, 0.2)
+    bpy.context.view_layer.update()
+    found = baked(empty, obj)
+    assert report()["proof"]["bone"] == "" and report()["proof"]["position_mm"] < 1.0
+    assert np.allclose(root.scale, 1.2)
+    bpy.data.objects.remove(obj)
+    empty.frame_set(1)
+    larger = make_rig(empty)
+    larger.scale = (1.2, 1.2, 1.2)
+    bpy.context.view_layer.update()
+    np.testing.assert_allclose(found, baked(empty, larger), atol=1e-3)
 
 
 def test_hips_that_hang_on_the_root_are_carried_by_it(empty, plain) -> None:

@@ -81,7 +81,8 @@ def test_a_rig_without_a_root_cannot_carry_the_way(empty, ready) -> None:
 def test_a_root_with_keys_is_cleared_too(empty, ready) -> None:
     obj = posed(empty)
     before = whole(obj)
-    bake(empty, obj, "root")
+    ready.rig, ready.recording_to, ready.travel = obj, 2.5, "root"
+    assert bpy.ops.footwork.bake() == {"FINISHED"}
     empty.frame_set(12)
     assert bpy.ops.footwork.clear_bake() == {"FINISHED"}
     assert whole(obj) == before
