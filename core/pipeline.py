@@ -140,6 +140,7 @@ def bake(
     usual = scale_skeleton(fit.skeleton, 1.0 / scales.size)
     around = None if ground is None else scale_ground(ground, 1.0 / scales.size)
     avatar = animate(matched, contacts, scale(recording, to_usual), usual, settings, roots, around)
+    del motion, matched  # an hour of them is 160 MB
     places = avatar.motion.positions * scales.size
     made = replace(avatar.motion, skeleton=fit.skeleton, positions=places)
     trackers = scale(recording, scales.rig)

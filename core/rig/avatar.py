@@ -66,6 +66,7 @@ def animate(
         # feet keep the matched motion's height and go along with the body over the ground
         steps = replace(steps, positions=steps.positions + np.pad(moved, ((0, 0), (0, 1))))
     plan: FootPlan = FOOT_PLANS.function(settings.feet)(steps, contacts, settings, body)
+    del steps  # an hour of it is 160 MB
     footing = None
     if ground is not None:
         plan, footing = stand(body, plan, plan.contacts, ground)

@@ -6,6 +6,7 @@ rig's size over the user's.
 
 from __future__ import annotations
 
+import tracemalloc
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -411,3 +412,25 @@ def test_keys_of_a_rig_in_other_units_show_the_body_at_the_trackers(
     playback = found.playback
     jumps = (np.diff(playback.database) != 0) | (np.diff(playback.frame) != 1)
     np.testing.assert_allclose(found.transition_times, (np.flatnonzero(jumps) + 1) / FPS)
+
+
+def test_memory_for_each_frame_is_bounded(walking: MotionDatabase) -> None:
+    """An hour at 60 frames a second stays below 1.5 GiB, with 0.25 GiB for all that does not grow."""
+    visit = simulate_recording(demo_motion("visit", 5, FPS), "user")
+    count = 8 * len(visit)
+    frames = np.arange(count) % (2 * len(visit))
+    frames = np.minimum(frames, 2 * len(visit) - 1 - frames)
+    user = replace(
+        visit,
+        times=np.arange(count) / FPS,
+        positions=visit.positions[frames],
+        rotations=visit.rotations[frames],
+        valid=visit.valid[frames],
+    )
+    tracemalloc.start()
+    try:
+        run(bake(user, [walking], lambda _: BodyEstimate(np.zeros(count), None), None, PAPER))
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert peak / count < 1.25 * 2**30 / (3600 * 60)
