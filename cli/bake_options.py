@@ -200,13 +200,9 @@ def setting_names() -> frozenset[str]:
 
 
 def check_complete(options: argparse.Namespace) -> None:
-    """Raise InputError where it is not said what to bake, or from what."""
+    """Raise InputError where it is not said what to bake."""
     if not options.recording:
         raise InputError("no recording: give RECORDING, or --settings of a report that names one")
-    if not options.database:
-        raise InputError(
-            "no motion database: give --database DB.npz, or --settings of a report that names one"
-        )
 
 
 def paths_from(said: Said, folder: Path) -> dict[str, Any]:

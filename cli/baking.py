@@ -17,6 +17,7 @@ from .answers import read_answers
 from .bake_options import bake_defaults, part_of, setting_names
 from .common import choose_predictor, each, load_recording, needing, tell
 from .options import read_settings
+from .starter import starter_paths
 from .verb import Report
 
 NO_BPY = "bake writes Blender files: run it in Blender, or install the Python module bpy"
@@ -92,7 +93,7 @@ def make(
         raise InputError(f"--fps {options.fps:g}: give frames per second, such as 24")
     scene = _scene(options, targets)
     recording = _read_recording(options)
-    databases = library.databases(options.database)
+    databases = library.databases(options.database or starter_paths(run))
     predict = library.predictor(options.predictor)
     target = scene and scene(options.rig, databases[0].fps, options.fps, options.fit_range)
     for doubt in target.doubts if target else ():

@@ -83,7 +83,7 @@ def add_database(parser: argparse.ArgumentParser, *, required: bool = True) -> N
         default=[],
         required=required,
         metavar="DB.npz",
-        help="a motion database; may be repeated",
+        help="a motion database; may be repeated" + ("" if required else " (default: the starter motion)"),
     )
 
 

@@ -13,6 +13,7 @@ from .evaluate import EVALUATE
 from .mapping import MAP
 from .options import OutputPath, add_bone_map
 from .predictor import EVALUATE_PREDICTOR, TRAIN_PREDICTOR
+from .starter import STARTER
 from .takes import INSPECT, SIMULATE_RECORDING
 from .verb import Verb
 
@@ -20,6 +21,7 @@ VERBS = (
     INSPECT,
     MAP,
     BUILD_DATABASE,
+    STARTER,
     DATABASE_INFO,
     TRAIN_PREDICTOR,
     EVALUATE_PREDICTOR,

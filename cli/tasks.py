@@ -12,9 +12,10 @@ from ..core.batch.entries import Entry, find_entries, in_folder, largest_first
 from ..core.errors import FaultError, InputError
 from ..core.settings import BakeSettings
 from .bake_options import Said, bake_defaults, check_complete, paths_from, read_said
-from .common import each
+from .common import each, run
 from .options import InputPath, read_settings
 from .repeat import complete_bake
+from .starter import starter_paths
 
 Task = dict[str, Any]
 _MOST_FAULTS = 20
@@ -70,6 +71,8 @@ def make_tasks(options: argparse.Namespace, said: Said) -> list[Task]:
     if faults:
         raise InputError(*faults[:_MOST_FAULTS])
     _check_shared(tasks)
+    if not all(task["options"]["database"] for task in tasks):
+        starter_paths(run)  # once, not by every worker
     return tasks
 
 

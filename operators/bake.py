@@ -31,6 +31,7 @@ from ..core.rig.place import Place
 from ..core.rig.rig import Rig
 from ..core.settings import BakeSettings
 from ..nn import predictor
+from ..nn.motion.starter import starter_databases
 from ..properties.scene import footwork_of
 from . import figures
 from .job_operator import JobOperator
@@ -50,7 +51,7 @@ class Source:
     part: tuple[float, float]
     """Start and stop in seconds of a file's part."""
     databases: tuple[tuple[str, tuple[float, float]], ...]
-    """Path and height range of each."""
+    """Path and height range of each; none for the starter motion."""
     predictor: str
     """"SHIPPED", "HEADSET" or a path."""
     rig: Rig | None
@@ -77,8 +78,6 @@ class FOOTWORK_OT_bake(JobOperator, bpy.types.Operator):
             return "Choose a recording first"
         if footwork.recording_source == "OBJECTS" and footwork.head is None:
             return "Pick the object that moves with the headset first"
-        if not any(database.use for database in footwork.databases):
-            return "Build or add a motion database first"
         if footwork.predictor == "FILE" and not footwork.predictor_path:
             return "Choose a predictor file, or use the built-in one"
         return ""
@@ -199,7 +198,10 @@ def _bake(source: Source):
     recording = source.recording
     if isinstance(recording, str):
         recording = cut(read_recording(recording, source.answers), *source.part)
-    databases = []
+    databases, notes = [], []
+    if not source.databases:
+        paths, notes = yield from part(starter_databases(), 0.0, 0.04)
+        databases = [load_database(path) for path in paths]
     for path, height_range in source.databases:
         yield 0.02, f"Reading {Path(path).name}"
         databases.append(replace(load_database(path), height_range=height_range))
@@ -213,7 +215,9 @@ def _bake(source: Source):
         ground=source.ground,
         place=source.place,
     )
-    return (yield from part(job, 0.05, 1.0))
+    result = yield from part(job, 0.05, 1.0)
+    result.report["warnings"] += notes
+    return result
 
 
 def _predict(chosen: str):

@@ -31,7 +31,12 @@ class FOOTWORK_PT_databases(Part, bpy.types.Panel):
             buttons.operator("footwork.move_database", text="", icon="TRIA_DOWN").step = 1
         database = active(footwork.databases, footwork.database_index)
         if database is None:
-            text.notes(context, layout, "Build one above, or add one that was built before", "INFO")
+            text.notes(
+                context,
+                layout,
+                "Starter motion, while the list is empty. Build a database above, or add one that was built before",
+                "INFO",
+            )
             return
         heights = layout.row(align=True)
         heights.use_property_split = True

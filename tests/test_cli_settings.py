@@ -139,7 +139,6 @@ def test_a_repetition_warns_of_another_version_and_of_changed_inputs(
         ('{"settings": {}, "recording": 3}', "no name of a file"),
         ('{"settings": {"alpha": -1}}', "alpha"),
         ('{"settings": {}}', "no recording"),
-        ('{"settings": {}, "recording": "r.csv"}', "no motion database"),
     ],
 )
 def test_what_is_no_report_of_a_bake_is_refused_in_a_line(

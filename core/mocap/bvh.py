@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from ..bounds import BVH_NUMBER
 from ..errors import InputError
 from ..maths import quat
-from ..transaction import write_atomically
+from ..transaction import Transaction, write_atomically
 from .bvh_header import Header, header_end, parse_header
 
 Array = NDArray[np.floating[Any]]
@@ -130,8 +130,8 @@ def parse_bvh(data: bytes, file: str, rate: float | None = None) -> BvhFile:
     return _build(data, parse_header(data, file, rate), file)
 
 
-def write_bvh(path: str | os.PathLike[str], bvh: BvhFile) -> None:
-    """Write a BVH file that reads back equal to the last bit.
+def write_bvh(path: str | os.PathLike[str], bvh: BvhFile, outputs: Transaction | None = None) -> None:
+    """Write a BVH file that reads back equal to the last bit, at once or in a transaction.
 
     Raises:
         InputError: the file cannot be written.
@@ -141,7 +141,7 @@ def write_bvh(path: str | os.PathLike[str], bvh: BvhFile) -> None:
     def write(stream: BinaryIO) -> None:
         stream.write(text)
 
-    write_atomically(path, write)
+    write_atomically(path, write, outputs)
 
 
 def format_bvh(bvh: BvhFile) -> str:

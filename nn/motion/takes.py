@@ -21,16 +21,16 @@ WEIGHTS = Path(__file__).parents[1] / "weights" / "motion.npz"
 
 Script = Callable[[np.random.RandomState, float], list[ways.Leg]]
 SCRIPTS: tuple[tuple[str, str, Script, float], ...] = (
-    ("stand", "reactidle", ways.standing, 22.0),
+    ("stand", "reactidle", ways.standing, 18.0),
     ("stand_play", "fubot", ways.standing, 16.0),
-    ("walk", "o3de", ways.walking, 54.0),
-    ("walk_other", "xsens", ways.walking, 20.0),
+    ("walk", "o3de", ways.walking, 46.0),
+    ("walk_other", "xsens", ways.walking, 16.0),
     ("curves", "o3de", ways.curves, 38.0),
     ("crab", "o3de", ways.crabbing, 34.0),
     ("side_steps", "o3de", ways.side_stepping, 30.0),
     ("back", "o3de", ways.backing, 26.0),
     ("turn", "o3de", ways.turning, 36.0),
-    ("jog", "o3de", ways.jogging, 26.0),
+    ("jog", "o3de", ways.jogging, 44.0),
     ("jog_other", "xsens", ways.jogging, 12.0),
     ("crouch", "o3de", ways.crouching, 40.0),
     ("roam", "fubot", ways.roaming, 34.0),
@@ -49,7 +49,7 @@ def starter_takes(model: MotionModel, fps: float = FPS, seed: int = 0) -> Job[li
     """
     made: list[tuple[str, Motion]] = []
     for n, (name, person, script, seconds) in enumerate(SCRIPTS):
-        yield n / len(SCRIPTS), f"starter motion: {name}"
+        yield n / len(SCRIPTS), "starter motion: takes"
         rng = np.random.RandomState(1000 * seed + n)
         made.append((name, starter_take(model, person, script(rng, seconds), rng, fps)))
     return made

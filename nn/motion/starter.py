@@ -1,0 +1,134 @@
+"""Starter databases: motion databases from the starter takes, made on first use and kept for the user."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from ...core import VERSION
+from ...core.body.motion import Motion
+from ...core.database.build import build_database
+from ...core.database.motion_database import MotionDatabase
+from ...core.database.sidecar import load_database, save_database
+from ...core.errors import InputError
+from ...core.files import sha256_of
+from ...core.jobs import Job, part
+from ...core.mocap.take import Take
+from ...core.presets import user_folder
+from ...core.settings import DatabaseSettings
+from ...core.transaction import Transaction
+from .decoder import read_model
+from .takes import FPS, WEIGHTS, starter_takes
+
+
+@dataclass(frozen=True, slots=True)
+class Recipe:
+    """How one starter database is made."""
+
+    name: str
+    takes: tuple[str, ...]
+    body_height: float
+    """Share of the standing eye height that the takes are brought to."""
+    height_range: tuple[float, float]
+
+
+_MOVES = ("stand", "walk", "crab", "side_steps", "back", "turn")
+_UPRIGHT = (
+    *("stand", "stand_play", "walk", "walk_other", "curves", "crab", "side_steps", "back", "turn"),
+    *("jog", "jog_other", "roam", "roam_other"),
+)
+RECIPES = (
+    Recipe("starter_upright", _UPRIGHT, 1.0, (0.88, 1.02)),
+    Recipe("starter_crouched", (*_MOVES, "crouch"), 0.8, (0.7, 0.88)),
+    Recipe("starter_low", (*_MOVES, "crouch"), 0.63, (0.0, 0.7)),
+    Recipe("starter_tiptoe", _MOVES, 1.04, (1.02, 2.0)),
+)
+
+
+def starter_folder() -> Path:
+    """Where the user's starter databases are kept."""
+    return user_folder("starter")
+
+
+def make_databases(takes: Sequence[tuple[str, Motion]], tag: str) -> Job[list[MotionDatabase]]:
+    """One database for each recipe; `tag` is kept in it."""
+    by_name = {name: Take(name, f"{name}.bvh", _sha256(motion), motion, {}, ()) for name, motion in takes}
+    made: list[MotionDatabase] = []
+    for n, recipe in enumerate(RECIPES):
+        low, high = recipe.height_range
+        settings = DatabaseSettings(
+            fps=FPS, mirror=True, body_height=recipe.body_height, height_low=low, height_high=high
+        )
+        job = build_database(
+            [by_name[name] for name in recipe.takes], settings, name=recipe.name, tags=("starter", tag)
+        )
+        made.append((yield from _told(part(job, n / len(RECIPES), (n + 1) / len(RECIPES)), recipe.name)))
+    return made
+
+
+def _told(job: Job[MotionDatabase], name: str) -> Job[MotionDatabase]:
+    """The job, with one message in place of its own."""
+    while True:
+        try:
+            fraction, _ = next(job)
+        except StopIteration as end:
+            return end.value
+        yield fraction, f"starter motion: {name}"
+
+
+def starter_databases(folder: Path | None = None) -> Job[tuple[list[Path], list[str]]]:
+    """The files of the starter databases, made first where they are missing, damaged or of another version.
+
+    Args:
+        folder: where they are kept; the user's by default.
+
+    Returns:
+        Their paths, and a line where older ones were replaced.
+
+    Raises:
+        InputError: the model is damaged, or the folder cannot be written; one line.
+    """
+    folder = folder or starter_folder()
+    tag = fingerprint()
+    paths = [folder / f"{recipe.name}.npz" for recipe in RECIPES]
+    why = _unfit(paths, tag)
+    if why is None:
+        return paths, []
+    yield 0.0, "making the starter motion, once"
+    takes = yield from part(starter_takes(read_model(WEIGHTS)), 0.0, 0.4)
+    databases = yield from part(make_databases(takes, tag), 0.4, 0.95)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(
+            f"{folder}: cannot be made ({error.strerror}); check its rights, or name databases yourself"
+        ) from error
+    with Transaction() as outputs:
+        for path, database in zip(paths, databases, strict=True):
+            save_database(path, database, outputs)
+    return paths, [why] if why else []
+
+
+def fingerprint() -> str:
+    """What starter databases are kept for: this Footwork and its motion model."""
+    return f"footwork {VERSION} {sha256_of(WEIGHTS)[:12]}"
+
+
+def _unfit(paths: Sequence[Path], tag: str) -> str | None:
+    """Why the files cannot be used: a line, "" where there are none, None where they can."""
+    if not any(path.exists() for path in paths):
+        return ""
+    for path in paths:
+        try:
+            tags = load_database(path).tags
+        except InputError as error:
+            return f"the starter motion was made again: {error}"
+        if tag not in tags:
+            return f"the starter motion was made again: {path} is of another version"
+    return None
+
+
+def _sha256(motion: Motion) -> str:
+    return hashlib.sha256(motion.positions.tobytes("C") + motion.rotations.tobytes("C")).hexdigest()
