@@ -24,10 +24,14 @@ def starter_paths(run: Callable[[Any], Any]) -> list[str]:
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
+    from ..nn.motion.starter import RECIPES
+    from ..nn.motion.takes import SCRIPTS
+
+    certain = [*(f"{name}.bvh" for name, *_ in SCRIPTS), *(f"{recipe.name}.npz" for recipe in RECIPES)]
     parser.add_argument(
         "-o",
         "--output",
-        type=OutputFolder,
+        type=OutputFolder.of(*certain),
         required=True,
         metavar="FOLDER",
         help="where takes (.bvh) and databases (.npz) are written; is made where it is missing",

@@ -119,6 +119,16 @@ def test_a_bake_without_a_rig_makes_one(empty, ready, source: str) -> None:
     assert 1.0 < head[2] < 2.0 and feet[:, 2].min() < 0.2 and np.abs(feet).max() < 20.0
 
 
+def test_a_bake_without_a_database_uses_the_starter_motion(empty, ready, tmp_path, monkeypatch) -> None:
+    monkeypatch.setenv("FOOTWORK_PRESETS", str(tmp_path))
+    ready.databases.clear()
+    assert bpy.ops.footwork.bake() == {"FINISHED"}
+    report = json.loads(bpy.data.texts[REPORT].as_string())
+    used = [item["name"] for item in report["inputs"] if item["kind"] == "database"]
+    assert len(used) == 4 and all(name.startswith("starter_") for name in used)
+    assert len(list((tmp_path / "starter").glob("*.npz"))) == 4
+
+
 def test_baking_twice_keeps_or_replaces(empty, ready) -> None:
     bpy.ops.footwork.bake()
     first = ready.rig.animation_data.action
