@@ -5,10 +5,11 @@ What writes is imported only where something is written: the command line's help
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..core.errors import InputError
 
@@ -28,6 +29,10 @@ class Baked:
     """The same motion as joints, at the database's rate."""
     fps: float
     """Frame rate of the scene."""
+    deform_only: bool = False
+    """Whether bones that do not deform are left out, but for those above others."""
+    engine: str = ""
+    """One of `core.methods.ENGINES`, or "" for none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,18 +78,55 @@ def _write_bvh(baked: Baked, path: Path) -> None:
     path.write_text(format_bvh(to_bvh(resample(baked.motion, baked.fps), baked.armature.name)), newline="")
 
 
+_FBX: Mapping[str, Mapping[str, Any]] = {
+    "unreal": {"mesh_smooth_type": "FACE"},
+    "unity": {"apply_scale_options": "FBX_SCALE_ALL"},
+}
+"""What an engine wants of FBX."""
+
+
 def _write_fbx(baked: Baked, path: Path) -> None:
     import bpy
 
     _select(baked.armature)
-    bpy.ops.export_scene.fbx(
-        filepath=str(path),
-        use_selection=True,
-        add_leaf_bones=False,
-        bake_anim_use_all_actions=False,
-        bake_anim_use_nla_strips=False,
-        bake_anim_simplify_factor=0.0,
-    )
+    with _alone(baked.armature):
+        bpy.ops.export_scene.fbx(
+            filepath=str(path),
+            use_selection=True,
+            add_leaf_bones=False,
+            use_armature_deform_only=baked.deform_only,
+            # a strip's clip starts at time 0, which is frame 1 where it is read
+            bake_anim_use_nla_strips=True,
+            bake_anim_use_all_actions=False,
+            bake_anim_simplify_factor=0.0,
+            **_FBX.get(baked.engine, {}),
+        )
+
+
+@contextmanager
+def _alone(armature: bpy.types.Object) -> Iterator[None]:
+    """The bake as the only strip of everything that is exported; as before afterwards."""
+    import bpy
+
+    from . import compat
+    from .layers import add_strip
+
+    data = armature.animation_data
+    action, slot = data.action, compat.slot_of(armature)
+    assert action is not None
+    owners = [obj.animation_data for obj in bpy.context.selected_objects if obj.animation_data]
+    muted = [track for owner in owners for track in owner.nla_tracks if not track.mute]
+    for track in muted:
+        track.mute = True
+    own, _ = add_strip(armature, action, slot)
+    data.action = None
+    try:
+        yield
+    finally:
+        data.nla_tracks.remove(own)
+        for track in muted:
+            track.mute = False
+        compat.assign_action(armature, action, slot)
 
 
 def _write_glb(baked: Baked, path: Path) -> None:
@@ -92,7 +134,13 @@ def _write_glb(baked: Baked, path: Path) -> None:
 
     _select(baked.armature)
     bpy.ops.export_scene.gltf(
-        filepath=str(path), use_selection=True, export_format="GLB", export_animation_mode="ACTIVE_ACTIONS"
+        filepath=str(path),
+        use_selection=True,
+        export_format="GLB",
+        export_animation_mode="ACTIVE_ACTIONS",
+        export_anim_slide_to_zero=True,
+        export_optimize_animation_size=False,
+        export_def_bones=baked.deform_only,
     )
 
 

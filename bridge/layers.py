@@ -78,8 +78,8 @@ def _push(obj: bpy.types.Object, action: bpy.types.Action, blend: int) -> None:
                 curve = compat.ensure_fcurve(base, obj, path, k, name)
                 fill_curve(curve, np.array([action.frame_range[0]]), np.array([value]), compat.LINEAR)
     below = [(base, ""), *([] if previous is None else [(previous, state["slot"])])]
-    state["pushed"] = [_strip(obj, *layer)[0].name for layer in below]
-    track, strip = _strip(obj, action, "")
+    state["pushed"] = [add_strip(obj, *layer)[0].name for layer in below]
+    track, strip = add_strip(obj, action, "")
     data.action = None
     strip.extrapolation = "NOTHING"
     length = int(strip.frame_end - strip.frame_start)
@@ -88,7 +88,7 @@ def _push(obj: bpy.types.Object, action: bpy.types.Action, blend: int) -> None:
     action[BEFORE] = json.dumps(state)
 
 
-def _strip(obj: bpy.types.Object, action: bpy.types.Action, slot: str) -> tuple[Any, Any]:
+def add_strip(obj: bpy.types.Object, action: bpy.types.Action, slot: str) -> tuple[Any, Any]:
     """A strip of an action in a new track on top, at the action's own frames."""
     track = obj.animation_data.nla_tracks.new()
     track.name = action.name

@@ -26,7 +26,7 @@ from .lookup import in_view, leave_edit_mode, metres_per_unit
 from .places import place_of_object, place_of_rig
 from .proof import prove
 from .shown import Array, joint_poses
-from .travel import carry_on_root, check_travel, without_way
+from .travel import carry_on_root, check_travel, root_bone, without_way
 
 _WITH_FILES = ("libraries", "images", "sounds", "movieclips", "fonts", "cache_files", "volumes", "texts")
 """Collections of `bpy.data` whose data-blocks have a `filepath`."""
@@ -55,6 +55,10 @@ class Target:
     """Frames to fade in and out."""
     travel: str = "hips"
     """One of `core.methods.TRAVELS`."""
+    engine: str = ""
+    """One of `core.methods.ENGINES`, or "" for none."""
+    deform_only: bool = False
+    """Whether exports are of deforming bones alone."""
 
     @property
     def name(self) -> str:
@@ -106,6 +110,13 @@ class Target:
         with in_view(found, scene):
             return place_of_rig(found, metres_per_unit(scene))
 
+    def for_engine(self, engine: str, travel: str | None, deform_only: bool | None) -> None:
+        """Set what an engine wants; what is not None is said otherwise."""
+        rig = bpy.data.objects.get(self.object_name) if self.rig else None
+        usual = "root" if engine and rig is not None and root_bone(rig) is not None else "hips"
+        self.engine, self.travel = engine, travel or usual
+        self.deform_only = bool(engine) if deform_only is None else deform_only
+
     def check(self) -> None:
         """Raise InputError where the bake cannot be written as is asked for."""
         rig = bpy.data.objects.get(self.object_name) if self.rig else None
@@ -138,7 +149,9 @@ class Target:
             InputError: Blender cannot write one of them.
         """
         assert self.motion is not None
-        baked = Baked(bpy.data.objects[self.object_name], self.motion, self.fps)
+        baked = Baked(
+            bpy.data.objects[self.object_name], self.motion, self.fps, self.deform_only, self.engine
+        )
         scene = bpy.context.scene
         kept = scene.frame_start, scene.frame_end
         # exports are of the bake, whatever part of it the scene's range is

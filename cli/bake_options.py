@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from ..core.errors import FaultError, InputError
-from ..core.methods import TRAVELS
+from ..core.methods import ENGINES, TRAVELS
 from ..core.settings import BakeSettings
 from .answers import add_answers
 from .options import InputPath, add_bone_map, add_database, add_limits, add_settings
@@ -90,8 +90,18 @@ def _add_layers(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--travel",
         choices=tuple(TRAVELS),
-        default="hips",
         help="what carries the way over the ground: the hips, a root bone above them, or nothing (default: hips)",
+    )
+    parser.add_argument(
+        "--deform-only",
+        action=argparse.BooleanOptionalAction,
+        help="export deforming bones alone, with the bones above them (default: for an engine)",
+    )
+    parser.add_argument(
+        "--engine",
+        choices=tuple(ENGINES),
+        help="export for a game engine: deforming bones, axes and scales as it reads them, and the way on a root bone "
+        "where the rig has one",
     )
 
 

@@ -101,7 +101,8 @@ def make(
     ground = target.ground(options.ground) if target and options.ground else None
     place = target.place(options.at) if target else None
     if target:
-        target.write_as, target.blend, target.travel = options.layer, options.blend, options.travel
+        target.write_as, target.blend = options.layer, options.blend
+        target.for_engine(options.engine or "", options.travel, options.deform_only)
         target.check()
     fps = target.fps if target else options.fps or databases[0].fps
     rig = target.rig if target else None

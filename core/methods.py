@@ -85,3 +85,9 @@ TRAVELS = {
     "in-place": "The body stays where it starts; it turns and goes up and down",
 }
 """What can become of the way over the ground."""
+ENGINES = {
+    "unreal": "FBX with the deforming bones, smoothing by faces; the way on a root bone where there is one",
+    "unity": "FBX with the deforming bones, all scales applied; the way on a root bone where there is one",
+    "godot": "glTF or FBX with the deforming bones; the way on a root bone where there is one",
+}
+"""Game engines that an export can be made for."""
