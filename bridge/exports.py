@@ -114,7 +114,7 @@ def _alone(armature: bpy.types.Object) -> Iterator[None]:
     data = armature.animation_data
     action, slot = data.action, compat.slot_of(armature)
     assert action is not None
-    owners = [obj.animation_data for obj in bpy.context.selected_objects if obj.animation_data]
+    owners = [obj.animation_data for obj in bpy.context.selected_objects or () if obj.animation_data]
     muted = [track for owner in owners for track in owner.nla_tracks if not track.mute]
     for track in muted:
         track.mute = True
