@@ -17,10 +17,10 @@ from .conditions import Root, soft_contacts
 
 Array = NDArray[np.floating[Any]]
 
-_NEAREST = 0.115
-"""Metres that feet keep apart sideways."""
-_RAISED = 1.12
-"""A network answers with means, which lift toes less than people do."""
+_NEAREST = 0.112
+"""Metres that feet keep apart."""
+_RAISED = 0.12
+"""A network answers with means, which lift toes less than people do; by this share, up to 1 cm."""
 _DIGITS = 5
 """Of metres and quaternions that are kept: machines differ in the last bits."""
 
@@ -41,7 +41,7 @@ def clean(hips: Array, world: Array, root: Root, contacts: NDArray[np.bool_]) ->
             quat.multiply(turn, world[:, toe]),
         )
         toes[:, side] = _eased(toes[:, side], contacts[:, side])
-    toes[..., 2] = TOE_HEIGHT + _RAISED * (toes[..., 2] - TOE_HEIGHT)
+    toes[..., 2] += _RAISED * np.clip(toes[..., 2] - TOE_HEIGHT, 0.0, 0.08)
     toes = _apart(toes, root, contacts)
     for side in (0, 1):
         flat = np.array(toes[:, side])
@@ -98,21 +98,27 @@ def _follow(values: Array, held: Array, stands: NDArray[np.bool_]) -> Array:
 
 
 def _apart(toes: Array, root: Root, contacts: NDArray[np.bool_]) -> Array:
-    """Toes `(T, 2, 3)` that keep the feet's distance sideways; stands move as wholes."""
+    """Toes `(T, 2, 3)` that keep the feet's distance and do not cross.
+
+    A foot that swings makes way for one that stands; stands move as wholes.
+    """
     out = np.array(toes)
     right = angles.turn(np.array([1.0, 0.0]), root.yaws)
-    for _ in range(3):
-        lack = np.maximum(_NEAREST - np.sum((out[:, 1, :2] - out[:, 0, :2]) * right, axis=-1), 0.0)
+    alike = contacts[:, 0] == contacts[:, 1]
+    for _ in range(8):
+        apart = angles.turn(out[:, 1, :2] - out[:, 0, :2], -root.yaws)
+        lack = 1.1 * np.maximum(np.sqrt(np.maximum(_NEAREST**2 - apart[:, 1] ** 2, 0.0)) - apart[:, 0], 0.0)
         if not lack.any():
             break
-        for side, sign in ((0, -0.5), (1, 0.5)):
-            push = sign * filters.gaussian(_widest(lack, round(0.1 * root.fps)), 0.05 * root.fps)
+        for side, sign in ((0, -1.0), (1, 1.0)):
+            own = lack * np.where(alike, 0.5, np.where(contacts[:, side], 0.0, 1.0))
+            push = sign * filters.gaussian(_widest(own, round(0.05 * root.fps)), 0.03 * root.fps)
             moved = np.array(out[:, side])
             moved[:, :2] += push[:, None] * right
             held = np.array(moved)
             for start, stop in _runs(contacts[:, side]):
-                worst = start + int(np.argmax(np.abs(push[start:stop])))
-                held[start:stop, :2] = out[start:stop, side, :2] + push[worst] * right[worst]
+                worst = start + int(np.argmax(own[start:stop]))
+                held[start:stop, :2] = out[start:stop, side, :2] + sign * own[worst] * right[worst]
             out[:, side] = _follow(moved, held, contacts[:, side])
     return out
 

@@ -40,10 +40,10 @@ _UPRIGHT = (
     *("jog", "jog_other", "roam", "roam_other"),
 )
 RECIPES = (
-    Recipe("starter_upright", _UPRIGHT, 1.0, (0.88, 1.02)),
-    Recipe("starter_crouched", (*_MOVES, "crouch"), 0.8, (0.7, 0.88)),
-    Recipe("starter_low", (*_MOVES, "crouch"), 0.63, (0.0, 0.7)),
-    Recipe("starter_tiptoe", _MOVES, 1.04, (1.02, 2.0)),
+    Recipe("starter_upright", _UPRIGHT, 1.0, (0.82, 1.03)),
+    Recipe("starter_crouched", (*_MOVES, "crouch"), 0.78, (0.68, 0.82)),
+    Recipe("starter_low", (*_MOVES, "crouch"), 0.63, (0.0, 0.68)),
+    Recipe("starter_tiptoe", _MOVES, 1.04, (1.03, 2.0)),
 )
 
 

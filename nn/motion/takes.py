@@ -25,16 +25,16 @@ SCRIPTS: tuple[tuple[str, str, Script, float], ...] = (
     ("stand_play", "fubot", ways.standing, 16.0),
     ("walk", "o3de", ways.walking, 46.0),
     ("walk_other", "xsens", ways.walking, 16.0),
-    ("curves", "o3de", ways.curves, 38.0),
+    ("curves", "o3de", ways.curves, 34.0),
     ("crab", "o3de", ways.crabbing, 34.0),
     ("side_steps", "o3de", ways.side_stepping, 30.0),
     ("back", "o3de", ways.backing, 26.0),
     ("turn", "o3de", ways.turning, 36.0),
-    ("jog", "o3de", ways.jogging, 44.0),
-    ("jog_other", "xsens", ways.jogging, 12.0),
+    ("jog", "o3de", ways.jogging, 50.0),
+    ("jog_other", "xsens", ways.jogging, 16.0),
     ("crouch", "o3de", ways.crouching, 40.0),
     ("roam", "fubot", ways.roaming, 34.0),
-    ("roam_other", "o3de", ways.roaming, 26.0),
+    ("roam_other", "o3de", ways.roaming, 20.0),
 )
 """Name, person, script and seconds of each take; mirrored they are twice as long."""
 

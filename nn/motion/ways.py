@@ -173,14 +173,14 @@ def jogging(rng: np.random.RandomState, seconds: float) -> list[Leg]:
     """Stands, jogs with bends, aslant and through sharp turns, slows to a walk, stops."""
 
     def once() -> list[Leg]:
-        speed = rng.uniform(1.7, 3.0)
+        speed = rng.uniform(1.9, 2.9)
         legs = [Leg(rng.uniform(0.6, 1.5)), Leg(rng.uniform(1.0, 2.0), speed, 0.0, rng.uniform(-0.6, 0.6))]
-        for _ in range(rng.randint(1, 4)):
-            speed = float(np.clip(speed + rng.uniform(-0.6, 0.6), 1.5, 3.1))
+        for _ in range(rng.randint(3, 6)):
+            speed = float(np.clip(speed + rng.uniform(-0.5, 0.5), 1.6, 2.9))
             slant = rng.choice([0.0, 1.0]) * rng.uniform(-0.45, 0.45)
-            turn = rng.choice([0.0, 1.0]) * rng.uniform(-2.0, 2.0)
+            turn = rng.choice([0.0, 1.0]) * rng.uniform(-1.3, 1.3)
             legs.append(
-                Leg(rng.uniform(0.8, 2.0), speed * float(np.cos(slant)), speed * float(np.sin(slant)), turn)
+                Leg(rng.uniform(0.8, 1.8), speed * float(np.cos(slant)), speed * float(np.sin(slant)), turn)
             )
         return [*legs, Leg(rng.uniform(0.8, 1.6), rng.uniform(1.2, 1.7))]
 
