@@ -210,7 +210,7 @@ def _match(
     head_height = sized.eye_height - float(sized.mounts.offsets[0, 2])
     targets = positions[:, 0, :2]
     if settings.target == "body":
-        targets = body_targets(positions[:, 0], rotations[:, 0], estimate.yaws, databases)
+        targets = body_targets(positions, rotations, sized.valid, head_height, sized.fps, databases)
         targets = with_estimate(targets, positions[:, 0, :2], estimate, head_height)
     trajectory = make_trajectory(targets, estimate.yaws, databases[0].fps, settings)
     trajectory = replace(trajectory, feet=feet_evidence(estimate, head_height, settings.step_weight))

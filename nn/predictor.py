@@ -15,6 +15,7 @@ from ..core.recording.body_estimate import BodyEstimate
 from ..core.recording.recording import Recording
 from ..core.recording.resample import resample
 from ..core.recording.targets import joint_targets
+from ..core.recording.windows import FACING, WindowLayout, mirror_inputs, stream, take_windows, window_inputs
 from .inputs import (
     RATE,
     TRACKED,
@@ -27,10 +28,11 @@ from .inputs import (
 from .network import product
 from .parts import YAW, read_rows
 from .weights import Predictor, read_predictor
-from .windows import FACING, WindowLayout, mirror_inputs, stream, take_windows, window_inputs
 
 Array = NDArray[np.floating[Any]]
 
+SHIPPED = ("causal", "look-ahead", "paper")
+"""Names of the predictors that come with Footwork."""
 _FOLDER = Path(__file__).parent / "weights"
 _CHUNK = 2048
 """Windows worked on at once: bounds memory on recordings of hours."""
@@ -51,7 +53,7 @@ def shipped_predictor(name: str = "look-ahead") -> Predictor:
 
 def shipped_predictors() -> dict[str, Predictor]:
     """All predictors that come with Footwork, by name."""
-    return {path.stem: read_predictor(path) for path in sorted(_FOLDER.glob("*.npz"))}
+    return {name: shipped_predictor(name) for name in SHIPPED}
 
 
 def headset_forward(recording: Recording) -> BodyEstimate:

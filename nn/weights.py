@@ -17,11 +17,11 @@ from ..core.bounds import INPUT_DEVIATION, INPUT_MEAN, JSON_BYTES, LAYERS, NETWO
 from ..core.errors import FaultError, InputError
 from ..core.json_text import parse_json, to_json
 from ..core.npz import Npz, open_npz, write_npz
+from ..core.recording.windows import WindowLayout
 from ..core.transaction import Transaction, write_atomically
 from .inputs import INPUTS, Scaler
 from .network import Network
 from .parts import ALL, YAW, Outputs, are_parts, outputs_of
-from .windows import WindowLayout
 
 Array = NDArray[np.floating[Any]]
 

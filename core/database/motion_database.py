@@ -86,7 +86,7 @@ class FeatureDatabase:
     """`(N,)` False for frames whose last horizon lies past their clip's end: played, never found."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
 class MotionDatabase:
     """Everything of one side-car file."""
 

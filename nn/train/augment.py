@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.maths import angles, quat
-from ..windows import FACING, POSITIONS, ROTATIONS, TRACKED
+from ...core.recording.windows import FACING, POSITIONS, ROTATIONS, TRACKED
 
 Array = NDArray[np.floating[Any]]
 Float = NDArray[np.float32]

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...core.measure.measures import yaw_errors
+from ...core.recording.windows import stream
 from ..inputs import RATE, headings
 from ..predictor import run_recurrent, run_windows
 from ..weights import Predictor
-from ..windows import stream
 from .samples import Array, Sample
 
 

@@ -8,12 +8,12 @@ from typing import Any, Protocol
 from numpy.typing import NDArray
 
 from ...core.errors import InputError
+from ...core.recording.windows import CAUSAL, LOOK_AHEAD
 from ..inputs import INPUTS, Scaler
 from ..network import Network
 from ..parts import EVERYTHING
 from ..settings import TrainSettings
 from ..weights import Predictor
-from ..windows import CAUSAL, LOOK_AHEAD
 from .samples import Sample
 
 PAPER_HIDDEN = (32, 32)

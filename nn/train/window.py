@@ -12,11 +12,11 @@ import numpy as np
 import torch
 
 from ...core.maths import angles
+from ...core.recording.windows import FACING, WindowLayout, mirror_inputs, stream, window_inputs
 from ..inputs import RATE, Scaler, group_scaler
 from ..network import Network
 from ..parts import ALL, EVERYTHING, SHAPES, YAW
 from ..weights import Predictor
-from ..windows import FACING, WindowLayout, mirror_inputs, stream, window_inputs
 from .augment import Augmentation, augment, mix_hands
 from .samples import Sample
 from .torch_networks import (

@@ -8,10 +8,10 @@ import json
 import numpy as np
 import pytest
 from footwork.core.errors import InputError
+from footwork.core.recording.windows import WindowLayout
 from footwork.nn.inputs import Scaler
 from footwork.nn.network import Network
 from footwork.nn.weights import Predictor, read_predictor, save_predictor
-from footwork.nn.windows import WindowLayout
 
 LAYOUT = WindowLayout(np.array([-0.2, -0.1, 0.0, 0.1, 0.2]), 2)
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from footwork.core.body.motion import Motion
+from footwork.core.body.standing import standing_head_height
 from footwork.core.database.build import build_database
 from footwork.core.database.motion_database import MotionDatabase
 from footwork.core.database.virtual_root import virtual_root
@@ -18,6 +19,8 @@ from footwork.core.matching.playback import Playback, match
 from footwork.core.matching.search import BoxSearch, MatrixSearch
 from footwork.core.matching.trajectory import make_trajectory
 from footwork.core.mocap.takes import load_take
+from footwork.core.recording.simulate import simulate_recording
+from footwork.core.recording.targets import joint_targets
 from footwork.core.settings import BakeSettings, DatabaseSettings
 
 GREEDY = replace(BakeSettings(), search="greedy")
@@ -42,15 +45,16 @@ def users(data: Path) -> list[Motion]:
     return [load_take(data / "takes/lafan1" / f"{name}.bvh", 60.0).motion for name in OTHERS]
 
 
-def head_pose(motion: Motion) -> tuple[np.ndarray, np.ndarray]:
-    positions, rotations = motion.forward()
-    head = motion.skeleton.joint("head")
-    return positions[:, head], rotations[:, head]
+def targets_of(db: MotionDatabase, motion: Motion) -> np.ndarray:
+    recording = simulate_recording(motion, "user")
+    positions, rotations = joint_targets(recording)
+    height = standing_head_height(motion)
+    return body_targets(positions, rotations, recording.valid, height, motion.fps, [db])
 
 
 def play(db: MotionDatabase, motion: Motion, settings: BakeSettings) -> tuple[Playback, Motion]:
     root, yaws = virtual_root(motion, 0.0)
-    targets = body_targets(*head_pose(motion), yaws, [db])
+    targets = targets_of(db, motion)
     trajectory = make_trajectory(targets, yaws, 60.0, settings)
     playback = run(match(trajectory, np.ones(len(root)), [db], settings))
     return playback, assemble(playback, [db], settings)[0]
@@ -73,10 +77,10 @@ def test_the_lean_of_other_people_is_mostly_found(locomotion, users, data):
     before: list[np.ndarray] = []
     after: list[np.ndarray] = []
     for motion in users:
-        root, yaws = virtual_root(motion, 0.0)
-        position, rotation = head_pose(motion)
-        before.append(np.linalg.norm(position[:, :2] - root, axis=-1))
-        after.append(np.linalg.norm(body_targets(position, rotation, yaws, [locomotion]) - root, axis=-1))
+        root, _ = virtual_root(motion, 0.0)
+        head = motion.forward()[0][:, motion.skeleton.joint("head"), :2]
+        before.append(np.linalg.norm(head - root, axis=-1))
+        after.append(np.linalg.norm(targets_of(locomotion, motion) - root, axis=-1))
     assert np.concatenate(after).mean() < 0.75 * np.concatenate(before).mean()
 
 

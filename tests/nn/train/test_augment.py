@@ -7,8 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from footwork.core.maths import angles, quat
+from footwork.core.recording.windows import (
+    FACING,
+    POSITIONS,
+    TRACKED,
+    WindowLayout,
+    stream,
+    take_windows,
+    window_inputs,
+)
 from footwork.nn.train.augment import Augmentation, augment, mix_hands
-from footwork.nn.windows import FACING, POSITIONS, TRACKED, WindowLayout, stream, take_windows, window_inputs
 
 LAYOUT = WindowLayout(np.round(np.arange(-5, 6) * 0.1, 3), 1)
 NOTHING = Augmentation(*[0.0] * len(Augmentation.__slots__))

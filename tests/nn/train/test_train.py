@@ -12,6 +12,7 @@ from footwork.core.errors import InputError
 from footwork.core.jobs import run
 from footwork.core.mocap.demo import demo_motion
 from footwork.core.mocap.take import Take
+from footwork.core.recording.windows import LOOK_AHEAD
 from footwork.nn.inputs import INPUTS, headings, sixd_to_yaw, tracker_inputs, turn_sixd, yaw_to_sixd
 from footwork.nn.network import Network
 from footwork.nn.predictor import run_recurrent
@@ -20,7 +21,6 @@ from footwork.nn.train import job as training
 from footwork.nn.train.job import train_predictor
 from footwork.nn.train.samples import Sample, samples_of
 from footwork.nn.weights import read_predictor
-from footwork.nn.windows import LOOK_AHEAD
 
 needs_torch = pytest.mark.skipif(importlib.util.find_spec("torch") is None, reason="torch is not installed")
 

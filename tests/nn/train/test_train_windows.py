@@ -10,10 +10,7 @@ from dataclasses import fields
 import numpy as np
 import pytest
 from footwork.core.maths import quat
-from footwork.nn.parts import EVERYTHING
-from footwork.nn.train.augment import Augmentation
-from footwork.nn.train.samples import Sample
-from footwork.nn.windows import (
+from footwork.core.recording.windows import (
     CAUSAL,
     LOOK_AHEAD,
     WindowLayout,
@@ -22,6 +19,9 @@ from footwork.nn.windows import (
     take_windows,
     window_inputs,
 )
+from footwork.nn.parts import EVERYTHING
+from footwork.nn.train.augment import Augmentation
+from footwork.nn.train.samples import Sample
 
 pytestmark = pytest.mark.skipif(importlib.util.find_spec("torch") is None, reason="torch is not installed")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from footwork.core.maths import quat
-from footwork.nn.windows import (
+from footwork.core.recording.windows import (
     CAUSAL,
     LOOK_AHEAD,
     WindowLayout,

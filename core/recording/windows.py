@@ -1,4 +1,4 @@
-"""What a window network sees: where head and hands were, and in a bake will be, around one moment.
+"""What a window of time shows: where head and hands were, and in a bake will be, around one moment.
 
 Positions are shares of the standing head height, horizontally relative to the head's place at that moment,
 in axes turned to a given yaw. So neither where someone stands, nor which way, nor how tall they are can
@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.maths import quat
+from ..maths import quat
 
 Array = NDArray[np.floating[Any]]
 
