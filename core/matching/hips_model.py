@@ -39,7 +39,7 @@ _RATE = 20.0
 """Frames a second that are looked at."""
 _WINDOWS = 8000
 """Windows of a database that are learned from, at most."""
-_NOISE = (0.01, 0.01, 0.05, 0.1, 0.05)
+_NOISE = (0.02, 0.05, 0.1, 0.2, 0.15)
 """What means nothing in each group of the inputs, in their units: shrinks what little movement shows."""
 _TAIL = 1.0
 """Percent at either end that is not trusted: beyond, hips count as there."""

