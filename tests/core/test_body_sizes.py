@@ -87,7 +87,7 @@ def test_the_same_movement_at_every_size(user, walking, size: float, alpha: floa
 
 @pytest.mark.parametrize("size", SIZES)
 def test_figures_grow_with_the_body(user, walking, size: float) -> None:
-    usual, other = (baked(user, walking, factor).report["metrics"] for factor in (1.0, size))
+    usual, other = (baked(user, walking, factor, alpha=1.0).report["metrics"] for factor in (1.0, size))
     seen = 0
     for name, figure in usual.items():
         lengths = name.endswith(("_cm", "_cm_s", "_m_s3")) or name == "jitter"
@@ -102,8 +102,8 @@ def test_figures_grow_with_the_body(user, walking, size: float) -> None:
 
 @pytest.mark.parametrize("size", SIZES)
 def test_ground_of_the_same_shape_is_walked_alike(user, walking, size: float) -> None:
-    usual = baked(user, walking, 1.0, ground=bumps)
-    other = baked(user, walking, size, ground=scale_ground(bumps, size))
+    usual = baked(user, walking, 1.0, ground=bumps, alpha=1.0)
+    other = baked(user, walking, size, ground=scale_ground(bumps, size), alpha=1.0)
     apart = quat.multiply(quat.conjugate(usual.tracks.rotations), other.tracks.rotations)
     assert np.abs(quat.to_rotation_vector(apart)).max() < 1e-3
     assert np.ptp(usual.motion.positions[:, 2]) > 0.01
