@@ -16,8 +16,8 @@ from .recording import Array
 HEADSET = "headset"
 """What reports and options call the headset's forward, taken for where the body faces."""
 DOUBTFUL = np.radians(25.0)
-"""Expected deviation from which on an answer is to be looked at; with both controllers lost it is 27 to 31 degrees,
-with one 15, with all there 10."""
+"""Expected deviation from which on an answer is to be looked at; with both controllers lost it is 25 to 28 degrees,
+with one 13 to 21, with all there 10 to 16."""
 _SHORTEST_S = 1.0
 """Seconds in doubt that are worth a word."""
 
