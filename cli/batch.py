@@ -28,7 +28,7 @@ which then counts before the same option here. docs/batch.md shows tables.
   footwork batch jobs.csv --database walk.npz --write npz --workers 8 --timeout 600 -o baked --resume
 
 Exit codes: 0 all done, 4 some recordings failed, 3 a limit of --fail-if is passed, 2 bad usage or cancelled, 1 a bug of
-ours. What is done stays; --resume does the rest.
+ours. What is done stays, the summary tells of it, and --resume does the rest.
 """
 
 
@@ -114,22 +114,23 @@ def _cores() -> int:
 
 def _run(options: argparse.Namespace, outputs: Transaction) -> Report:
     """Many bakes, each with its outputs and report, and their summary."""
-    from ..core.batch.summary import batch_report
     from .tasks import make_tasks
 
     tasks = make_tasks(options, options.said)
+    rows: list[dict[str, Any]] = []
     start = time.monotonic()
-    rows = _followed(tasks, options, start)
-    wall = time.monotonic() - start
-    baked = sum(row["state"] == "done" for row in rows)
-    peaks = [row.pop("peak_mb") for row in rows if row.get("peak_mb")]
-    timing = {
-        "wall_s": wall,
-        "workers": options.workers,
-        "per_minute": baked / wall * 60.0 if baked and wall > 0.0 else None,
-        "peak_mb": max(peaks, default=None),
-    }
-    report = batch_report(rows, timing)
+    try:
+        _follow(tasks, options, start, rows)
+    except KeyboardInterrupt:
+        # of what is done there is a summary, though nothing else of the verb is written
+        if rows:
+            with Transaction() as own:
+                left = len(tasks) - len(rows)
+                _write_summary(
+                    _report(rows, options, time.monotonic() - start, left), Path(options.output), own
+                )
+        raise
+    report = _report(rows, options, time.monotonic() - start)
     _write_summary(report, Path(options.output), outputs)
     counts = report["counts"]
     for line in (*report["warnings"], *(f"limit passed: {line}" for line in report["failed"][:20])):
@@ -142,12 +143,27 @@ def _run(options: argparse.Namespace, outputs: Transaction) -> Report:
     return report
 
 
-def _followed(tasks: list[dict[str, Any]], options: argparse.Namespace, start: float) -> list[dict[str, Any]]:
-    """The rows of all tasks, with progress told as they come."""
+def _report(rows: list[dict[str, Any]], options: argparse.Namespace, wall: float, left: int = 0) -> Report:
+    from ..core.batch.summary import batch_report
+
+    baked = sum(row["state"] == "done" for row in rows)
+    peaks = [row.pop("peak_mb") for row in rows if row.get("peak_mb")]
+    timing = {
+        "wall_s": wall,
+        "workers": options.workers,
+        "per_minute": baked / wall * 60.0 if baked and wall > 0.0 else None,
+        "peak_mb": max(peaks, default=None),
+    }
+    return batch_report(rows, timing, left=left)
+
+
+def _follow(
+    tasks: list[dict[str, Any]], options: argparse.Namespace, start: float, rows: list[dict[str, Any]]
+) -> None:
+    """Add the rows of all tasks to `rows`, with progress told as they come."""
     from ..core.batch.progress import Progress
 
     reports = {task["name"]: Path(task["report"]).relative_to(options.output).as_posix() for task in tasks}
-    rows: list[dict[str, Any]] = []
     told = start
     with _engine(tasks, options) as (results, options.workers):
         progress = Progress(len(tasks), sum(task["bytes"] for task in tasks), options.workers)
@@ -162,7 +178,6 @@ def _followed(tasks: list[dict[str, Any]], options: argparse.Namespace, start: f
             if now - told >= _TOLD_EVERY_S or progress.done == progress.total:
                 tell(progress.in_words(now - start))
                 told = now
-    return rows
 
 
 @contextlib.contextmanager

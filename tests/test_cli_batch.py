@@ -51,7 +51,9 @@ def test_a_bad_recording_stops_no_other_and_tracks_are_those_of_bake(tmp_path: P
     out = tmp_path / "out"
     assert batch(made, jobs, out, "--workers", "2") == 4
     summary = json.loads((out / "summary.json").read_text())
-    assert summary["counts"] == {"done": 3, "kept": 0, "failed": 1} and summary["unfinished"] == ["bad"]
+    assert summary["counts"] == {"done": 3, "kept": 0, "failed": 1, "left": 0} and summary["unfinished"] == [
+        "bad"
+    ]
     assert set(files(out)) == {
         *("a.npz", "a.json", "b.npz", "b.json", "sub/c.npz", "sub/c.json"),
         *("summary.json", "summary.csv", "summary.html"),
@@ -138,15 +140,20 @@ def test_a_batch_that_is_stopped_goes_on_with_nothing_lost_or_doubled(
     command = [sys.executable, "-m", "footwork", *words, "--workers", "2"]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     deadline = time.monotonic() + 120.0
-    while not list(out.glob("*.npz")) and process.poll() is None and time.monotonic() < deadline:
+    while len(list(out.glob("*.npz"))) < 3 and process.poll() is None and time.monotonic() < deadline:
         time.sleep(0.01)
     process.send_signal(number)
     said = process.communicate(timeout=120)[1]
     if number != signal.SIGKILL and process.returncode != 0:
         assert process.returncode == 2 and "cancelled" in said, said
         assert not any(is_staging(path.name) for path in out.iterdir())
+        stopped = json.loads((out / "summary.json").read_text())
+        listed = {row["name"] for row in stopped["recordings"]}
+        assert stopped["counts"]["left"] == 12 - len(listed) > 0 and len(listed) >= 1
+        assert all((out / f"{name}.npz").exists() for name in listed)
+        assert f"stopped: {12 - len(listed)} of 12 recordings are left" in (out / "summary.html").read_text()
     assert main([*words, "--workers", "2", "--resume"]) == 0
     report = json.loads((out / "summary.json").read_text())
-    assert report["counts"]["failed"] == 0 and report["counts"]["kept"] >= 1
+    assert report["counts"]["failed"] == 0 and report["counts"]["kept"] >= 1 and report["counts"]["left"] == 0
     assert len(set(tracks(out).values())) == 1 and len(tracks(out)) == 12
     assert len(list(out.glob("*.json"))) == 13

@@ -80,7 +80,7 @@ def test_a_lost_worker_costs_nothing(tmp_path: Path, jobs: Path) -> None:
         assert process.returncode == 0, said
         assert victim not in client.run(os.getpid).values()
     report = json.loads((out / "summary.json").read_text())
-    assert report["counts"] == {"done": RECORDINGS, "kept": 0, "failed": 0}
+    assert report["counts"] == {"done": RECORDINGS, "kept": 0, "failed": 0, "left": 0}
     assert sorted(row["name"] for row in report["recordings"]) == sorted(map(str, range(RECORDINGS)))
     assert report["timing"]["workers"] == 2
     bake = ["bake", str(jobs / "r" / "0.csv"), "--database", str(jobs / "db.npz"), "-o", str(alone)]

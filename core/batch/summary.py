@@ -94,14 +94,15 @@ def worst_first(rows: Iterable[Row]) -> list[Row]:
 
 
 def batch_report(
-    rows: Sequence[Row], timing: Mapping[str, Any], warnings: Sequence[str] = ()
+    rows: Sequence[Row], timing: Mapping[str, Any], warnings: Sequence[str] = (), left: int = 0
 ) -> dict[str, Any]:
     """The JSON-ready report of a batch.
 
     Args:
-        rows: of all recordings.
+        rows: of all recordings that were come to.
         timing: `wall_s`, `workers` and what else is known of the run.
         warnings: lines.
+        left: recordings that a batch did not come to because it was stopped.
 
     Returns:
         With `unfinished` (names of failed recordings) and `failed` (limits passed) for the exit code.
@@ -110,14 +111,15 @@ def batch_report(
     states = [row["state"] for row in ordered]
     makers = sorted({row["producer"] for row in ordered if "producer" in row})
     mixed = [f"made by different versions: {', '.join(makers)}"] if len(makers) > 1 else []
+    stopped = f"stopped: {left} of {len(rows) + left} recordings are left; --resume does them"
     return {
         "format": FORMAT,
         "schema": SCHEMA,
         "producer": f"footwork {VERSION}",
-        "counts": {state: states.count(state) for state in (DONE, KEPT, FAILED)},
+        "counts": {**{state: states.count(state) for state in (DONE, KEPT, FAILED)}, "left": left},
         "recorded_s": sum(row.get("recorded_s", 0.0) for row in ordered),
         "timing": dict(timing),
-        "warnings": [*warnings, *mixed],
+        "warnings": [*([stopped] if left else []), *warnings, *mixed],
         "unfinished": [row["name"] for row in ordered if row["state"] == FAILED],
         "failed": [f"{row['name']}: {line}" for row in ordered for line in row.get("failed", ())],
         "recordings": ordered,
