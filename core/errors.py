@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-LONGEST = 300
+LONGEST = 400
 """Characters of a message at most."""
-_HEAD = 140
+_HEAD = 240
 
 
 class InputError(ValueError):

@@ -25,8 +25,10 @@ SAID = {f"u{i}": text for i, text in enumerate(["time", *(f"{t}.{p}" for t in TR
 @pytest.fixture(autouse=True)
 def own(tmp_path, monkeypatch) -> Path:
     """A folder of presets for each test."""
-    monkeypatch.setenv("FOOTWORK_PRESETS", str(tmp_path / "own"))
-    return tmp_path / "own"
+    folder = tmp_path / "own"
+    folder.mkdir()
+    monkeypatch.setenv("FOOTWORK_PRESETS", str(folder))
+    return folder
 
 
 @pytest.fixture(scope="module")
@@ -66,7 +68,7 @@ def test_a_table_of_unknown_names_is_shown_corrected_and_kept(nameless, walk, ow
     assert [column.said for column in shown.columns] == ["nothing"] * 23
     flags = [flag for column, text in SAID.items() for flag in ("--set", f"{column}={text}")]
     assert main(["map", str(nameless), *flags]) == 0
-    assert not own.exists()
+    assert not list(own.iterdir())
     assert main(["map", str(nameless), *flags, "--axes", "RFU", "--keep", "Studio B"]) == 0
     said = capsys.readouterr().out
     assert "head.px  (you say so)" in said
@@ -166,7 +168,7 @@ def test_faults_of_what_is_said_get_one_line(nameless, capsys, flags, line, own)
     told = capsys.readouterr().err
     assert line in told
     assert len(told.splitlines()) == 1
-    assert not own.exists()
+    assert not list(own.iterdir())
 
 
 def test_broken_maps_are_skipped_and_named(nameless, own) -> None:
