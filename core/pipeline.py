@@ -15,10 +15,11 @@ from .body.skeleton import Skeleton
 from .database.motion_database import MotionDatabase
 from .errors import InputError
 from .jobs import Job, part
-from .matching.body_target import body_targets, with_estimate
+from .matching.body_target import body_posture, elbows_of, with_estimate
 from .matching.evidence import feet_evidence, surer_contacts
 from .matching.inertialization import assemble
-from .matching.playback import Playback, match
+from .matching.playback import Playback, match, soles_of
+from .matching.posture_model import Posture
 from .matching.trajectory import make_trajectory
 from .measure.catalogue import Values, measure, summarise
 from .measure.series import series
@@ -32,6 +33,7 @@ from .rig.fit import fit_rig, rig_from_skeleton
 from .rig.gate import check_finite, check_rig, check_tracks
 from .rig.ground import Footing, Ground
 from .rig.keys import to_bone_tracks
+from .rig.known import Known
 from .rig.place import Place, from_start, ground_from, put
 from .rig.rig import BoneTracks, Rig
 from .settings import BakeSettings, check
@@ -120,7 +122,9 @@ def bake(
     # the search works on the database's own body size; alpha bounds metres of the rig, however large it is
     alpha = settings.alpha * min(scales.size, 1.0)
     sized = replace(settings, alpha=alpha * scales.database / scales.rig)
-    playback = yield from part(_match(recording, estimate, databases, sized, scales.database), 0.05, 0.6)
+    playback, posture = yield from part(
+        _match(recording, estimate, databases, sized, scales.database), 0.05, 0.6
+    )
     clock.lap("search")
 
     yield 0.6, "Blending poses"
@@ -136,10 +140,13 @@ def bake(
     to_usual = scales.rig / scales.size
     matched = scale_motion(motion, to_usual / scales.database)
     # the head's own place is no place for hips: with the paper's target they stay where the motion has them
-    roots = playback.target_positions * (to_usual / scales.database) if settings.target == "body" else None
+    known = Known(soles=soles_of(playback, databases))
+    if posture is not None:
+        roots = playback.target_positions * (to_usual / scales.database)
+        known = replace(known, roots=roots, chest=posture.chest, elbows=elbows_of(estimate))
     usual = scale_skeleton(fit.skeleton, 1.0 / scales.size)
     around = None if ground is None else scale_ground(ground, 1.0 / scales.size)
-    avatar = animate(matched, contacts, scale(recording, to_usual), usual, settings, roots, around)
+    avatar = animate(matched, contacts, scale(recording, to_usual), usual, settings, known, around)
     del motion, matched  # an hour of them is 160 MB
     places = avatar.motion.positions * scales.size
     made = replace(avatar.motion, skeleton=fit.skeleton, positions=places)
@@ -203,19 +210,21 @@ def _match(
     databases: Sequence[MotionDatabase],
     settings: BakeSettings,
     to_database: float,
-) -> Job[Playback]:
-    """The frames to play for a recording scaled to the databases' body."""
+) -> Job[tuple[Playback, Posture | None]]:
+    """The frames to play for a recording scaled to the databases' body, and how that body holds itself."""
     sized = scale(recording, to_database)
     positions, rotations = joint_targets(sized)
     head_height = sized.eye_height - float(sized.mounts.offsets[0, 2])
     targets = positions[:, 0, :2]
+    posture = None
     if settings.target == "body":
-        targets = body_targets(positions, rotations, sized.valid, head_height, sized.fps, databases)
-        targets = with_estimate(targets, positions[:, 0, :2], estimate, head_height)
+        posture = body_posture(positions, rotations, sized.valid, head_height, sized.fps, databases)
+        posture = with_estimate(posture, estimate, head_height)
+        targets = targets + posture.hips
     trajectory = make_trajectory(targets, estimate.yaws, databases[0].fps, settings)
     trajectory = replace(trajectory, feet=feet_evidence(estimate, head_height, settings.step_weight))
     heights = recording.positions[:, 0, 2] / recording.eye_height
-    return (yield from match(trajectory, heights, databases, settings))
+    return (yield from match(trajectory, heights, databases, settings)), posture
 
 
 def _report(

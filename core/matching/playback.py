@@ -14,8 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..database.motion_database import MotionDatabase
+from ..database.soles import sole_pitches_at
 from ..errors import InputError
 from ..jobs import Job
+from ..maths import filters
 from ..methods import SEARCHES
 from ..settings import BakeSettings
 from .root_motion import RootMotion, goals_of
@@ -25,6 +27,9 @@ from .trajectory import Trajectory
 
 Array = NDArray[np.floating[Any]]
 
+
+_SOLES_S = 0.15
+"""Standard deviation in seconds of the smoothing of feet from one clip's to the next one's."""
 
 SearchMethod = Callable[[Trajectory, Frames, Sequence[MotionDatabase], BakeSettings], Job[Schedule]]
 """A search: targets and futures of `T` frames, the database that plays `(T,)`, all databases, and every control."""
@@ -126,3 +131,12 @@ def play(
         target_yaws=trajectory.yaws,
         searches=len(schedule.times),
     )
+
+
+def soles_of(playback: Playback, databases: Sequence[MotionDatabase]) -> Array:
+    """Pitch `(T, 2)` in radians at which the left and the right foot of what plays stand flat."""
+    pitches = np.zeros((len(playback), 2))
+    for i in np.unique(playback.database):
+        rows = playback.database == i
+        pitches[rows] = sole_pitches_at(databases[int(i)], playback.frame[rows])
+    return filters.gaussian(pitches, _SOLES_S * databases[0].fps)

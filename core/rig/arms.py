@@ -32,6 +32,8 @@ _ELBOW = np.array([0.4, -0.4, -0.85])
 """Where an elbow likes to be, seen from the line between shoulder and wrist: outward, back and down."""
 _FROM_HAND, _FROM_MOTION = 0.5, 0.4
 """Say of the hand's own axis and of the matched motion's elbow, beside 1 for where an elbow likes to be."""
+_OWN_SAY = 0.5
+"""Say of all these together beside 1 for where the trackers tell the elbow to be."""
 _AIM_S = 0.08
 """Standard deviation in seconds of the smoothing of the elbow's plane."""
 _TWIST_SHARE = 0.6
@@ -40,7 +42,7 @@ _BACK = np.array([0.0, -1.0, 0.0])
 
 
 def reach_hands(
-    motion: Motion, positions: Array, rotations: Array, valid: NDArray[np.bool_]
+    motion: Motion, positions: Array, rotations: Array, valid: NDArray[np.bool_], elbows: Array | None = None
 ) -> tuple[Motion, NDArray[np.bool_]]:
     """`motion` with its hands at targets.
 
@@ -52,6 +54,7 @@ def reach_hands(
         positions: `(T, 2, 3)` where the left and right hand joints, the wrists, shall be, metres.
         rotations: `(T, 2, 4)` their world rotations since T-pose.
         valid: `(T, 2)` whether the controller was tracked.
+        elbows: `(T, 2, 3)` which way the elbows are from the hands, unit vectors; None where that is not known.
 
     Returns:
         The motion, and `(T, 2)` whether a tracked hand is out of reach.
@@ -61,7 +64,8 @@ def reach_hands(
     world = world_poses(motion, [*ends, spine(motion.skeleton)[-1]])
     for i in range(2):
         if valid[:, i].any():
-            motion, missed = _reach(motion, world, i, positions[:, i], rotations[:, i], valid[:, i])
+            told = None if elbows is None else elbows[:, i]
+            motion, missed = _reach(motion, world, i, positions[:, i], rotations[:, i], valid[:, i], told)
             unreachable[:, i] = missed & valid[:, i]
     return motion, unreachable
 
@@ -73,6 +77,7 @@ def _reach(
     target: Array,
     hand: Array,
     valid: NDArray[np.bool_],
+    told: Array | None,
 ) -> tuple[Motion, NDArray[np.bool_]]:
     """One arm of `reach_hands`; `world` are the motion's joint positions and rotations."""
     skeleton = motion.skeleton
@@ -95,7 +100,7 @@ def _reach(
 
     way = target - shoulder
     distance = norm(way)
-    aim = _elbow_aim(motion.fps, side, unit(way), turns[chest], hand, limb)
+    aim = _elbow_aim(motion.fps, side, unit(way), turns[chest], hand, limb, told)
     held = np.minimum(1.0, (longest - _SLACK) / np.maximum(distance, 1e-9))[:, None]
     mid, end, _ = two_bone.triangle(*lengths, way * held, aim)
     arm = _hinge(turns[joints[0]], upper, mid, aim)
@@ -138,7 +143,9 @@ def _clavicle_help(clavicle: Array, shoulder: Array, target: Array, length: Arra
     return quat.from_rotation_vector(unit(cross(arm, way)) * turn[:, None])
 
 
-def _elbow_aim(fps: float, side: int, line: Array, chest: Array, hand: Array, limb: Array) -> Array:
+def _elbow_aim(
+    fps: float, side: int, line: Array, chest: Array, hand: Array, limb: Array, told: Array | None
+) -> Array:
     """Where the elbow shall lie `(T, 3)`, seen from the line between shoulder and wrist, not of unit
     length."""
     sign = np.array([-1.0 if SIDES[side] == "L" else 1.0, 1.0, 1.0])
@@ -147,6 +154,8 @@ def _elbow_aim(fps: float, side: int, line: Array, chest: Array, hand: Array, li
     bent = across(limb[:, 1] - limb[:, 0], unit(limb[:, 2] - limb[:, 0]))
     bent = bent / np.maximum(norm(bent)[:, None], 0.05)
     aim = liked - _FROM_HAND * along_hand + _FROM_MOTION * bent
+    if told is not None:
+        aim = _OWN_SAY * aim + told
     smooth = filters.gaussian(across(aim, line), _AIM_S * fps)
     return across(smooth, line)
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..body.legs import legs_of
 from ..body.motion import Motion
 from ..body.retarget import retarget
 from ..body.skeleton import Skeleton
@@ -16,9 +17,10 @@ from ..recording.recording import Recording
 from ..recording.targets import joint_targets
 from ..settings import BakeSettings
 from .arms import reach_hands
-from .feet import FootPlan, place_feet
+from .feet import FootPlan, level_soles, place_feet
 from .ground import Footing, Ground, stand
 from .head import place_head
+from .known import Known
 
 Array = NDArray[np.floating[Any]]
 
@@ -43,7 +45,7 @@ def animate(
     recording: Recording,
     skeleton: Skeleton,
     settings: BakeSettings,
-    roots: Array | None = None,
+    known: Known | None = None,
     ground: Ground | None = None,
 ) -> AvatarResult:
     """Bring a matched motion onto a skeleton, its head and hands to the trackers, its feet to the floor.
@@ -54,7 +56,7 @@ def animate(
         recording: trackers at the motion's rate, sized for `skeleton`.
         skeleton: the rig's.
         settings: `head`, `arms`, `feet`, `unlock_distance` and `halflife` are used.
-        roots: `(T, 2)` where on the ground the hips should be, metres; None leaves that to the motion.
+        known: what else is known of the body.
         ground: what the feet stand on, in the recording's world; head and hands go up and down with the body.
             None for a flat floor.
     """
@@ -62,10 +64,12 @@ def animate(
     body = retarget(motion, skeleton)
     steps = body
     if settings.head:
-        body, moved = place_head(body, targets[:, 0], rotations[:, 0], recording.valid[:, 0], roots)
+        body, moved = place_head(body, targets[:, 0], rotations[:, 0], recording.valid[:, 0], known)
         # feet keep the matched motion's height and go along with the body over the ground
         steps = replace(steps, positions=steps.positions + np.pad(moved, ((0, 0), (0, 1))))
     plan: FootPlan = FOOT_PLANS.function(settings.feet)(steps, contacts, settings, body)
+    if known is not None and known.soles is not None:
+        plan = level_soles(plan, legs_of(skeleton), known.soles)
     del steps  # an hour of it is 160 MB
     footing = None
     if ground is not None:
@@ -75,5 +79,7 @@ def animate(
     body = place_feet(body, plan)
     unreachable = np.zeros(contacts.shape, np.bool_)
     if settings.arms:
-        body, unreachable = reach_hands(body, targets[:, 1:], rotations[:, 1:], recording.valid[:, 1:])
+        body, unreachable = reach_hands(
+            body, targets[:, 1:], rotations[:, 1:], recording.valid[:, 1:], known and known.elbows
+        )
     return AvatarResult(body, plan.contacts, unreachable, footing)

@@ -123,6 +123,15 @@ def plan_feet(
     return FootPlan(toes, np.stack(feet, axis=1), held)
 
 
+def level_soles(plan: FootPlan, legs: Sequence[Leg], soles: Array) -> FootPlan:
+    """The plan with its feet turned about their toes so that they stand flat where they are pitched by `soles`
+    `(T, 2)` radians."""
+    turned = [
+        heel.lowered(plan.rotations[:, side], leg.to_toe, soles[:, side]) for side, leg in enumerate(legs)
+    ]
+    return replace(plan, rotations=np.stack(turned, axis=1))
+
+
 def place_feet(motion: Motion, plan: FootPlan) -> Motion:
     """`motion` with its legs solved to the feet of a plan, wherever its hips are.
 

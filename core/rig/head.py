@@ -1,10 +1,10 @@
 """The head at the headset: neck and spine share its turn, hips and spine close the way to it.
 
-The head joint ends exactly at its target. Its turn is shared with neck and chest. A head that is higher than
-the motion's draws spine and neck straight; one that is much lower bends the trunk forward. Of the way that is
-left, the slow part over the ground moves the body, the quick part bends the spine, and the hips take the rest,
-which is mostly height. Where it is known whereabouts the hips should be, they go most of that way and the spine
-bends back to the head. Legs are to be solved afterwards.
+The head joint ends exactly at its target. Its turn is shared with neck and chest. Where it is known how the chest is
+turned, the trunk is brought there. Elsewhere a head that is higher than the motion's draws spine and neck straight, and
+one that is much lower bends the trunk forward. Of the way that is left, the slow part over the ground moves the body,
+the quick part bends the spine, and the hips take the rest, which is mostly height. Where it is known whereabouts the
+hips should be, they go most of that way and the spine bends back to the head. Legs are to be solved afterwards.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from ..maths import filters, quat
 from ..maths.easing import smoothstep
 from ..maths.vectors import dot, norm
 from . import validity
+from .known import Known
 
 Array = NDArray[np.floating[Any]]
 
@@ -42,6 +43,10 @@ _HIPS_SHARE = 0.7
 """Share of the slow way from the hips to where they should be that the hips go, the spine bending under the head.
 Users of the same suit as the database then have their hips at 5.7 cm from the true ones instead of 7.1, of another suit
 at 6.0 instead of 5.6; either way as much nearer to the target."""
+_CHEST_S = 0.1
+"""Standard deviation in seconds of the smoothing of what turns the chest to where it should be."""
+_PELVIS_SHARE = 0.3
+"""Share of that turn which the pelvis takes, but for its yaw."""
 _OWN = 0.002
 """Metres by which a head shakes beside the motion's own before that takes hold."""
 _BEND = np.radians(20.0)
@@ -59,7 +64,7 @@ def place_head(
     positions: Array,
     rotations: Array,
     valid: NDArray[np.bool_],
-    roots: Array | None = None,
+    known: Known | None = None,
 ) -> tuple[Motion, Array]:
     """`motion` with its head joint at a target.
 
@@ -68,7 +73,7 @@ def place_head(
         positions: `(T, 3)` where the head joint shall be, metres.
         rotations: `(T, 4)` its world rotation since T-pose.
         valid: `(T,)` whether the headset was tracked; elsewhere the head is left to the motion.
-        roots: `(T, 2)` where on the ground the hips should be, metres; None leaves that to the motion.
+        known: `roots` and `chest` are used; without them the motion has its way.
 
     Returns:
         The motion, its legs carried along by the hips, and how far `(T, 2)` the body was moved over the
@@ -84,14 +89,18 @@ def place_head(
     target = chain.head() + away
 
     chain.turn_head(turn)
-    chain.straighten(filters.gaussian(target[:, 2] - chain.head()[:, 2], _POSTURE_S * motion.fps))
+    known = known or Known()
+    if known.chest is not None:
+        chain.hold_chest(known.chest, weight[:, 0], motion.fps)
+    else:
+        chain.straighten(filters.gaussian(target[:, 2] - chain.head()[:, 2], _POSTURE_S * motion.fps))
     error = target - chain.head()
     moved = filters.gaussian(error[:, :2], _SLOW_S * motion.fps)
-    chain.stoop(_stoop(motion, chain, error))
+    chain.stoop(_stoop(motion, chain, error, known.chest is None))
     chain.bend(error[:, :2] - moved)
-    if roots is not None:
+    if known.roots is not None:
         hips = motion.positions + target - chain.head()
-        under = _HIPS_SHARE * weight * filters.gaussian(roots - hips[:, :2], _SLOW_S * motion.fps)
+        under = _HIPS_SHARE * weight * filters.gaussian(known.roots - hips[:, :2], _SLOW_S * motion.fps)
         moved = moved + chain.bend(-under)
     chain.steady(_shaking(error[:, :2], motion.fps), _CARRY_S * motion.fps)
     hips = motion.positions + target - chain.head()
@@ -112,6 +121,8 @@ class _Chain:
         self.chest = self.joints.index(spine(skeleton)[-1])
         self.necks = len(neck(skeleton))
         self.hips = motion.positions
+        self.held = False
+        """Whether the chest keeps its turn in bends."""
         self.rotations = fk.global_rotations(motion.rotations[:, self.joints], self._parents)
         """`(T, K, 4)`."""
 
@@ -136,6 +147,20 @@ class _Chain:
                 share = _CHEST_SHARE + (1.0 - _CHEST_SHARE) * (i - self.chest) / (self.necks + 1)
             self._rotate(i, share * shared)
         self._rotate(last, vector)
+
+    def hold_chest(self, chest: Array, weight: Array, fps: float) -> None:
+        """Turn the chest to world rotations `(T, 4)` by a `weight` `(T,)`, but for the quick part of its own turning;
+        pelvis, spine and neck take shares of that turn. Bends that follow leave the chest as it is."""
+        self.held = True
+        away = quat.to_rotation_vector(quat.multiply(chest, quat.conjugate(self.rotations[:, self.chest])))
+        turn = filters.gaussian(away * (weight * _fade(norm(away)))[:, None], _CHEST_S * fps)
+        for i in range(len(self.joints) - 1):
+            along = max(i - self.pelvis + 1, 0) / (self.chest - self.pelvis + 1)
+            share = _PELVIS_SHARE + (1.0 - _PELVIS_SHARE) * along
+            if i > self.chest:
+                share = 1.0 - (i - self.chest) / (self.necks + 1)
+            # where the pelvis faces is known better
+            self._rotate(i, share * (turn if i >= self.pelvis else turn * (1.0, 1.0, 0.0)))
 
     def straighten(self, height: Array) -> None:
         """Draw spine and neck up to raise the head by `height` `(T,)`, as far as they are not straight
@@ -162,19 +187,24 @@ class _Chain:
     def bend(self, way: Array) -> Array:
         """Bend the spine so that the head moves by `way` `(T, 2)` over the ground, as far as a spine
         bends; returns how far `(T, 2)` the hips go to leave it where it was."""
-        count = self.chest - self.pelvis + 1
-        if count < 1:
+        shares = self._bends()
+        if not shares:
             return np.zeros_like(way)
         places = self.places()
-        top = places[:, self.chest + 1, 2]
-        levers = (top[:, None] - places[:, self.pelvis : self.chest + 1, 2]).sum(axis=1)
-        total = norm(way) * count / np.maximum(levers, 0.2)
+        lever = sum(share * (places[:, i + 1, 2] - places[:, i, 2]) for i, share in shares.items())
+        total = norm(way) / np.maximum(lever, 0.1)
         axis = np.stack([-way[:, 1], way[:, 0], np.zeros(len(way))], axis=-1)
         axis /= np.maximum(norm(axis)[:, None], 1e-9)
         vector = axis * (_BEND * np.tanh(total / _BEND))[:, None]
-        for i in range(self.pelvis, self.chest + 1):
-            self._rotate(i, vector * ((i - self.pelvis + 1) / count))
+        for i, share in shares.items():
+            self._rotate(i, share * vector)
         return (places[:, -1] - self.head())[:, :2]
+
+    def _bends(self) -> dict[int, float]:
+        """Shares of a bend by joint, growing up the spine; a chest that is held takes none."""
+        last = self.chest - 1 if self.held and self.chest > self.pelvis else self.chest
+        count = last - self.pelvis + 1
+        return {i: (i - self.pelvis + 1) / count for i in range(self.pelvis, last + 1)}
 
     def steady(self, share: Array, frames: float) -> None:
         """Bend the spine so that a `share` `(T,)` of the way over the ground from hips to head is as under a
@@ -207,10 +237,11 @@ def _lowest(motion: Motion) -> float:
     return _LOWEST_HIPS * motion.skeleton.leg_length()
 
 
-def _stoop(motion: Motion, chain: _Chain, error: Array) -> Array:
-    """How far `(T,)` the trunk bends forward for a head that is `error` `(T, 3)` away."""
+def _stoop(motion: Motion, chain: _Chain, error: Array, guessed: bool = True) -> Array:
+    """How far `(T,)` the trunk bends forward for a head that is `error` `(T, 3)` away: as people do where that is to be
+    `guessed`, and else only where the hips would come too low."""
     drop = np.maximum(-error[:, 2] - _STOOP_FROM, 0.0)
     upright = np.maximum(chain.head()[:, 2] - motion.positions[:, 2], 0.1)
     room = np.clip((chain.head()[:, 2] + error[:, 2] - _lowest(motion)) / upright, -1.0, 1.0)
-    wanted = np.minimum(np.maximum(_STOOP * drop, np.arccos(room) * (room < 1.0)), _DEEPEST_STOOP)
+    wanted = np.minimum(np.maximum(_STOOP * drop * guessed, np.arccos(room) * (room < 1.0)), _DEEPEST_STOOP)
     return filters.gaussian(wanted, 0.1 * motion.fps)

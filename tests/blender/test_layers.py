@@ -116,8 +116,8 @@ def test_the_share_goes_up_and_down() -> None:
 
 
 def faces(obj: bpy.types.Object) -> float:
-    """The way that a body's shoulders face, radians from +Y."""
-    left, right = helpers.world_heads(obj, ("LeftShoulder", "RightShoulder"))
+    """The way that a body's hips face, radians from +Y."""
+    left, right = helpers.world_heads(obj, ("LeftHip", "RightHip"))
     across = right - left
     return float(np.arctan2(across[1], across[0]))
 

@@ -60,7 +60,7 @@ def public_databases(data: Path) -> list:
 DEMO = {
     "greedy": {
         "matched_root_error_cm.mean": 6.59,
-        "root_error_cm.mean": 1.54,
+        "root_error_cm.mean": 1.17,
         "yaw_error_deg.mean": 1.54,
         "foot_skate_cm_s.mean": 0.07,
         "nsm_skate_cm_s.mean": 5.86,
@@ -71,7 +71,7 @@ DEMO = {
     },
     "path": {
         "matched_root_error_cm.mean": 4.76,
-        "root_error_cm.mean": 1.46,
+        "root_error_cm.mean": 1.09,
         "yaw_error_deg.mean": 1.62,
         "foot_skate_cm_s.mean": 0.1,
         "nsm_skate_cm_s.mean": 6.29,
@@ -102,10 +102,10 @@ PUBLIC = {
     },
     "path": {
         "matched_root_error_cm.mean": 5.15,
-        "root_error_cm.mean": 2.17,
+        "root_error_cm.mean": 1.89,
         "hips_error_cm.mean": 3.42,
         "yaw_error_deg.mean": 3.92,
-        "foot_skate_cm_s.mean": 0.18,
+        "foot_skate_cm_s.mean": 0.16,
         "nsm_skate_cm_s.mean": 13.6,
         "lower_body_mpjpe_cm.mean": 13.9,
         "knee_error_deg.mean": 21.2,

@@ -14,7 +14,8 @@ from footwork.core.database.motion_database import MotionDatabase
 from footwork.core.evaluation.true_estimate import true_estimate
 from footwork.core.jobs import run
 from footwork.core.matching import evidence as ev
-from footwork.core.matching.body_target import with_estimate
+from footwork.core.matching.body_target import elbows_of, with_estimate
+from footwork.core.matching.posture_model import Posture
 from footwork.core.matching.trajectory import make_trajectory
 from footwork.core.mocap.demo import demo_motion
 from footwork.core.mocap.take import Take
@@ -51,6 +52,10 @@ def baked(user: Motion, database: MotionDatabase, estimate: BodyEstimate, **sett
     options = BakeSettings(**settings)
     rig = rig_from_skeleton(user.skeleton, "rig")
     return run(bake(simulate_recording(user, "u"), [database], lambda _: estimate, rig, options, truth=user))
+
+
+def scalar_first(rotations: Rotation) -> np.ndarray:
+    return np.roll(rotations.as_quat(), 1, axis=-1)
 
 
 def some_evidence(frames: int, seed: int) -> ev.FeetEvidence:
@@ -137,7 +142,7 @@ def test_as_in_the_paper_nothing_of_it_counts(user, database, known) -> None:
     blind, seeing = (baked(user, database, e, **PAPER) for e in (BodyEstimate(known.yaws), known))
     for name in ("rotations", "locations"):
         np.testing.assert_array_equal(getattr(seeing.tracks, name), getattr(blind.tracks, name))
-    zero = baked(user, database, replace(known, hips=None), step_weight=0.0)
+    zero = baked(user, database, replace(known, hips=None, chest=None, elbows=None), step_weight=0.0)
     plain = baked(user, database, BodyEstimate(known.yaws))
     np.testing.assert_array_equal(zero.tracks.rotations, plain.tracks.rotations)
 
@@ -153,15 +158,37 @@ def test_contacts_are_the_users_where_the_estimate_is_sure() -> None:
 
 
 def test_hips_of_the_estimate_draw_the_target_by_how_sure_they_are(user, database, known) -> None:
-    heads = np.random.default_rng(1).normal(0.0, 1.0, (len(user), 2))
-    targets = heads + np.array([0.05, -0.1])
+    rng = np.random.default_rng(1)
+    usual = Posture(
+        rng.normal(0.0, 0.1, (len(user), 2)), scalar_first(Rotation.random(len(user), random_state=4))
+    )
     height = 1.6
     sure = replace(known, hips=Part(known.hips.mean, np.zeros(len(user))))
-    drawn = with_estimate(targets, heads, sure, height)
+    drawn = with_estimate(usual, sure, height)
     rotate = Rotation.from_euler("z", known.yaws[:, None])
-    hips = heads + rotate.apply(known.hips.mean * [height, height, 0.0])[:, :2]
+    hips = rotate.apply(known.hips.mean * [height, height, 0.0])[:, :2]
     # a little surer of an estimate without spread than of the databases' lean
-    np.testing.assert_allclose(drawn, targets + (25 / 41) * (hips - targets), atol=1e-9)
+    np.testing.assert_allclose(drawn.hips, usual.hips + (25 / 41) * (hips - usual.hips), atol=1e-9)
     vague = replace(known, hips=Part(known.hips.mean, np.full(len(user), 1e3)))
-    np.testing.assert_allclose(with_estimate(targets, heads, vague, height), targets, atol=1e-5)
-    assert with_estimate(targets, heads, BodyEstimate(known.yaws), height) is targets
+    np.testing.assert_allclose(with_estimate(usual, vague, height).hips, usual.hips, atol=1e-5)
+    nothing = with_estimate(usual, BodyEstimate(known.yaws), height)
+    assert nothing.hips is usual.hips
+    assert nothing.chest is usual.chest
+
+
+def test_chest_and_elbows_of_the_estimate_are_told_in_the_world() -> None:
+    rng = np.random.default_rng(3)
+    yaws, turns = rng.uniform(-3.0, 3.0, 50), Rotation.from_rotvec(rng.normal(0.0, 0.4, (50, 3)))
+    own = Rotation.from_euler("z", yaws[:, None]) * Rotation.from_rotvec(rng.normal(0.0, 0.3, (50, 3)))
+    away = rng.normal(0.0, 1.0, (50, 2, 3))
+    sure = np.zeros(50)
+    told = BodyEstimate(yaws, chest=Part(turns.as_rotvec(), sure), elbows=Part(away, sure))
+    drawn = with_estimate(Posture(np.zeros((50, 2)), scalar_first(own)), told, 1.6).chest
+    goal = Rotation.from_euler("z", yaws[:, None]) * turns
+    mixed = own * Rotation.from_rotvec(0.4 * (own.inv() * goal).as_rotvec())
+    apart = Rotation.from_quat(np.roll(drawn, -1, axis=-1)).inv() * mixed
+    np.testing.assert_allclose(apart.magnitude(), 0.0, atol=1e-7)
+    expected = [Rotation.from_euler("z", yaw).apply(row) for yaw, row in zip(yaws, away, strict=True)]
+    expected = np.array(expected) / np.linalg.norm(away, axis=-1, keepdims=True)
+    np.testing.assert_allclose(elbows_of(told), expected, atol=1e-9)
+    assert elbows_of(BodyEstimate(yaws)) is None

@@ -13,7 +13,7 @@ from footwork.core.database.build import build_database
 from footwork.core.database.motion_database import MotionDatabase
 from footwork.core.database.virtual_root import virtual_root
 from footwork.core.jobs import run
-from footwork.core.matching.body_target import body_targets
+from footwork.core.matching.body_target import body_posture
 from footwork.core.matching.inertialization import assemble
 from footwork.core.matching.playback import Playback, match
 from footwork.core.matching.search import BoxSearch, MatrixSearch
@@ -49,7 +49,8 @@ def targets_of(db: MotionDatabase, motion: Motion) -> np.ndarray:
     recording = simulate_recording(motion, "user")
     positions, rotations = joint_targets(recording)
     height = standing_head_height(motion)
-    return body_targets(positions, rotations, recording.valid, height, motion.fps, [db])
+    posture = body_posture(positions, rotations, recording.valid, height, motion.fps, [db])
+    return positions[:, 0, :2] + posture.hips
 
 
 def play(db: MotionDatabase, motion: Motion, settings: BakeSettings) -> tuple[Playback, Motion]:

@@ -84,6 +84,32 @@ def test_elbows_are_low_outside_or_behind(way: np.ndarray, world) -> None:
         assert bend @ np.array([0.4, -0.4, -0.85]) > 0.05
 
 
+def test_elbows_go_where_the_trackers_tell_them_to_be(world) -> None:
+    hands = np.tile(np.array([[-0.35, 0.35, 1.15], [0.3, 0.4, 1.25]]), (90, 1, 1))
+    turns = np.tile([1.0, 0.0, 0.0, 0.0], (90, 2, 1))
+    body = standing(90)
+    free, _ = reach_hands(body, hands, turns, np.ones((90, 2), np.bool_))
+    for height in (-0.6, 0.4):
+        # the same arms, swivelled about the line from shoulder to hand
+        told = np.tile(np.array([[-0.7, -0.4, height], [0.7, -0.4, height]]), (90, 1, 1))
+        told /= np.linalg.norm(told, axis=-1, keepdims=True)
+        placed, _ = reach_hands(body, hands, turns, np.ones((90, 2), np.bool_), told)
+        for i, side in enumerate(SIDES):
+            np.testing.assert_allclose(world(placed, f"hand.{side}")[0], hands[:, i], atol=1e-6)
+            line = hands[45, i] - world(placed, f"upper_arm.{side}")[0][45]
+            line /= np.linalg.norm(line)
+
+            def aside(
+                point: np.ndarray, line: np.ndarray = line, hand: np.ndarray = hands[45, i]
+            ) -> np.ndarray:
+                out = point - hand - line * ((point - hand) @ line)
+                return out / np.linalg.norm(out)
+
+            goal = aside(hands[45, i] + told[45, i])
+            found, own = (aside(world(motion, f"forearm.{side}")[0][45]) for motion in (placed, free))
+            assert np.arccos(found @ goal) < 0.6 * np.arccos(own @ goal) + 0.05
+
+
 def test_left_and_right_are_mirror_images(world) -> None:
     done, _, _ = reach(ACROSS, pointing(np.array([-0.3, 1.0, 0.2])))
     left, right = (world(done, f"forearm.{side}")[0][45] for side in SIDES)

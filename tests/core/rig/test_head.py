@@ -10,6 +10,7 @@ from footwork.core.body.motion import Motion
 from footwork.core.body.retarget import retarget
 from footwork.core.mocap.demo import demo_skeleton
 from footwork.core.rig.head import _Chain, _shaking, _stoop, place_head
+from footwork.core.rig.known import Known
 from scipy.spatial.transform import Rotation
 
 
@@ -100,12 +101,48 @@ def test_a_quick_lean_bends_the_spine_and_a_slow_drift_moves_the_body(world) -> 
     np.testing.assert_allclose(moved[300:900, 0], slow[300:900, 0], atol=0.01)
 
 
+def test_a_chest_that_is_known_is_held_and_the_head_stays_exact(
+    walk: Motion, targets, world, degrees_between
+) -> None:
+    rng = np.random.default_rng(5)
+    time = np.arange(len(walk)) / 60.0
+    # leans of up to 40 degrees, slower than what is left to the motion
+    lean = np.radians(20.0) * np.sin(np.outer(time, [0.7, 0.5, 0.3]) * 2.0 + rng.uniform(0, 6, 3))
+    chest = wxyz(
+        Rotation.from_rotvec(lean) * Rotation.from_quat(np.roll(world(walk, "chest")[1], -1, axis=-1))
+    )
+    roots = walk.positions[:, :2] + np.array([0.05, -0.08])
+    placed, _ = place_head(walk, *targets, all_valid(walk), Known(roots, chest))
+    np.testing.assert_allclose(world(placed, "head")[0], targets[0], atol=1e-9)
+    assert degrees_between(world(placed, "head")[1], targets[1]).max() < 1e-5
+    assert degrees_between(world(placed, "chest")[1], chest).mean() < 1.5
+    # where nothing is known of it, it stays where the motion has it, but for its share of the head's turn
+    free, _ = place_head(walk, *targets, all_valid(walk), Known(roots))
+    assert degrees_between(world(free, "chest")[1], chest).mean() > 10.0
+
+
+def test_trunk_and_knees_bend_together_under_a_head_that_comes_down(world) -> None:
+    # a body that bows by 60 degrees from its hips, which stay: the chest that is known tells it from a squat
+    body = standing(300)
+    bow = np.radians(60.0) * np.sin(np.linspace(0.0, np.pi, 300)) ** 2
+    turns = Rotation.from_rotvec(np.outer(-bow, [1.0, 0.0, 0.0]))
+    places, _ = world(body, "head")
+    bowed = body.positions + turns.apply(places - body.positions)
+    squat, _ = place_head(body, bowed, wxyz(turns), all_valid(body))
+    known, _ = place_head(
+        body, bowed, wxyz(turns), all_valid(body), Known(body.positions[:, :2], wxyz(turns))
+    )
+    lowest = 100.0 * (body.positions[150, 2] - squat.positions[150, 2])
+    assert lowest > 8.0
+    assert abs(100.0 * (body.positions[150, 2] - known.positions[150, 2])) < 0.7 * lowest
+
+
 def test_hips_go_most_of_the_way_to_where_they_should_be_under_a_head_that_stays(world) -> None:
     body = standing(600)
     places, turns = world(body, "head")
     away = np.array([0.03, -0.05])
     roots = np.tile(body.positions[0, :2] + away, (600, 1))
-    placed, moved = place_head(body, places, turns, all_valid(body), roots)
+    placed, moved = place_head(body, places, turns, all_valid(body), Known(roots))
     np.testing.assert_allclose(world(placed, "head")[0], places, atol=1e-9)
     gone = placed.positions[:, :2] - body.positions[:, :2]
     np.testing.assert_allclose(gone, np.tile(0.7 * away, (600, 1)), atol=0.006)
@@ -114,7 +151,7 @@ def test_hips_go_most_of_the_way_to_where_they_should_be_under_a_head_that_stays
     # where the headset was lost nothing is known of the hips either
     lost = all_valid(body)
     lost[200:400] = False
-    placed, _ = place_head(body, places, turns, lost, roots)
+    placed, _ = place_head(body, places, turns, lost, Known(roots))
     np.testing.assert_allclose(placed.positions[280:320], body.positions[280:320], atol=0.001)
 
 
