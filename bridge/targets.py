@@ -23,6 +23,7 @@ from .ground import chosen_ground
 from .layers import check_layer, layer
 from .load import append, armature_of, check_ground, editable, open_rig, split_rig
 from .lookup import in_view, leave_edit_mode, metres_per_unit
+from .mannequin import create_mannequin
 from .places import place_of_object, place_of_rig
 from .proof import prove
 from .shown import Array, joint_poses
@@ -59,6 +60,8 @@ class Target:
     """One of `core.methods.ENGINES`, or "" for none."""
     deform_only: bool = False
     """Whether exports are of deforming bones alone."""
+    body: bool = True
+    """Whether an armature that is made has a mesh."""
 
     @property
     def name(self) -> str:
@@ -128,7 +131,8 @@ class Target:
         scene = bpy.context.scene
         if self.rig is None:
             unit = metres_per_unit(scene)
-            self.object_name = create_armature(result.rig, result.rig.name, scene.collection, unit).name
+            create = create_mannequin if self.body else create_armature
+            self.object_name = create(result.rig, result.rig.name, scene.collection, unit).name
         armature = bpy.data.objects[self.object_name]
         times = [float(time) for time in result.transition_times]
         start = 1 if self.fit_range else scene.frame_start

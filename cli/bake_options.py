@@ -31,7 +31,13 @@ def add_bake_options(parser: argparse.ArgumentParser) -> None:
         "--rig",
         type=InputPath,
         metavar="FILE[:OBJECT]",
-        help=".blend, .fbx, .glb or .vrm; default: the database's skeleton",
+        help=".blend, .fbx, .glb or .vrm; default: a mannequin of the user's height is made",
+    )
+    parser.add_argument(
+        "--body",
+        action=argparse.BooleanOptionalAction,
+        default=True,
+        help="whether the armature that is made without --rig has a mesh (default: yes)",
     )
     parser.add_argument(
         "--ground",

@@ -90,7 +90,7 @@ def bake(
         recording: the three trackers, at any rate.
         databases: one or more motion databases; the first gives the skeleton and the rate.
         predict: the body estimate of a recording at the databases' rate.
-        rig: the rig to animate; None makes one from the first database's skeleton.
+        rig: the rig to animate; None makes one as tall as the user from the first database's skeleton.
         settings: every control.
         output_fps: rate of the bone tracks; the databases' rate by default.
         truth: the user's true motion at the databases' rate, in the world of the recording: adds the errors that
@@ -105,7 +105,7 @@ def bake(
     if not databases:
         raise InputError("no motion database given: build one from takes first")
     clock, fps = _Clock(), databases[0].fps
-    rig = rig or rig_from_skeleton(databases[0].skeleton, databases[0].name)
+    rig = rig or _own_rig(recording, databases)
     check_rig(rig)
     fit = fit_rig(rig)
     recording = resample(recording, fps)
@@ -295,6 +295,13 @@ def _scales(
     if not settings.scale_to_rig:
         return _Scales(1.0, to_database, 1.0)
     return _Scales(at_ease / user, to_database, at_ease / HEAD_HEIGHT)
+
+
+def _own_rig(recording: Recording, databases: Sequence[MotionDatabase]) -> Rig:
+    """The first database's body, as tall as the user."""
+    skeleton = databases[0].skeleton
+    factor = 1.0 / _scales(recording, databases, skeleton, BakeSettings()).rig
+    return rig_from_skeleton(scale_skeleton(skeleton, factor), databases[0].name)
 
 
 def _head_height(skeleton: Skeleton) -> float:

@@ -12,6 +12,7 @@ from ..bridge.ground import chosen_ground
 from ..bridge.layers import check_layer, layer
 from ..bridge.load import editable
 from ..bridge.lookup import in_view, keep_object, keep_scene, leave_edit_mode, metres_per_unit
+from ..bridge.mannequin import create_mannequin
 from ..bridge.objects import recording_from_objects
 from ..bridge.places import place_of_object, place_of_rig
 from ..bridge.proof import prove
@@ -105,7 +106,8 @@ class FOOTWORK_OT_bake(JobOperator, bpy.types.Operator):
         footwork, unit = footwork_of(scene), metres_per_unit(scene)
         if self._rig is None:
             collection = context.collection if context.scene == scene else scene.collection
-            rig = armature.create_armature(result.rig, "Avatar", collection, unit)
+            create = create_mannequin if footwork.mannequin else armature.create_armature
+            rig = create(result.rig, "Avatar", collection, unit)
             footwork.rig = rig
         else:
             footwork.rig = rig = editable(self._rig.find(), scene)

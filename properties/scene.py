@@ -223,6 +223,11 @@ class FOOTWORK_PG_scene(Versioned, bpy.types.PropertyGroup):
         description="Set a pose marker wherever the motion changes its place in the databases",
         default=True,
     )
+    mannequin: BoolProperty(
+        name="Mannequin",
+        description="Give the armature that a bake without a rig makes a body; off for bones alone",
+        default=True,
+    )
     fit_range: BoolProperty(
         name="Fit Scene Range", description="Set the scene's frame range to the bake", default=True
     )
