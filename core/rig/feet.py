@@ -22,7 +22,7 @@ from ..maths import quat
 from ..maths.easing import smoothstep
 from ..maths.vectors import dot, level, norm, unit
 from ..settings import BakeSettings
-from . import footsteps, locks
+from . import apart, footsteps, locks
 
 Array = NDArray[np.floating[Any]]
 Flags = NDArray[np.bool_]
@@ -36,6 +36,8 @@ _FOLLOW, _SOFT_RISE = 0.5, 0.02
 begins."""
 _FREE_S = 0.2
 """Seconds after a foot leaves the floor, and before it is back, in which both begin and end."""
+_AROUND_S = 0.08
+"""The same for the way around the other leg, which is nearest soon before a foot comes down."""
 _FORWARD, _UP = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
 
 
@@ -101,26 +103,34 @@ def plan_feet(
     positions, rotations = world_poses(motion, [leg.end for leg in legs])
     paths = [positions[leg.end] + quat.rotate(rotations[leg.end], leg.shift) for leg in legs]
     plants = footsteps.plan_plants(paths, contacts, _loads(hips, paths, legs), unlock_distance, motion.fps)
-    held = np.zeros_like(contacts)
-    toes = np.empty((len(motion), 2, 3))
-    feet: list[Array] = []
+    pitches = [heel.pitch_of(rotations[leg.foot], leg.to_toe) for leg in legs]
+    made: list[list[locks.Lock]] = []
     for side, (leg, path) in enumerate(zip(legs, paths, strict=True)):
-        stands, pitch = contacts[:, side], heel.pitch_of(rotations[leg.foot], leg.to_toe)
+        stands = contacts[:, side]
         found = locks.make_locks(path, plants[side], stands, leg.height, unlock_distance, motion.fps)
-        found = locks.give_time(path, _within_reach(found, pitch, hips[leg.thigh], leg), stands, motion.fps)
+        found = _within_reach(found, pitches[side], hips[leg.thigh], leg)
+        made.append(locks.give_time(path, found, stands, motion.fps))
+    ankles = -np.stack([quat.rotate(rotations[leg.foot], leg.to_toe) for leg in legs], axis=1)
+    yaws, length = quat.heading(body.rotations[:, 0]), skeleton.leg_length()
+    apart_there = apart.spread_plants((made[0], made[1]), ankles, yaws, length)
+    held, free = np.zeros_like(contacts), np.empty(contacts.shape)
+    for side, (leg, path, found) in enumerate(zip(legs, paths, apart_there, strict=True)):
         for lock in found:
             held[lock.first : lock.last + 1, side] = True
-        free = _freedom(held[:, side], _FREE_S * motion.fps)
+        free[:, side] = _freedom(held[:, side], _FREE_S * motion.fps)
         path += locks.offsets(path, found, halflife, motion.fps)
         # hips that are higher than the motion's take a foot in the air along
         rise = np.maximum((hips[leg.thigh] - positions[leg.thigh])[:, 2], 0.0)
-        path[:, 2] += _FOLLOW * rise**2 / (rise + _SOFT_RISE) * free
-        path += _pull(path, pitch, hips[leg.thigh], leg) * free[:, None]
+        path[:, 2] += _FOLLOW * rise**2 / (rise + _SOFT_RISE) * free[:, side]
+        path += _pull(path, pitches[side], hips[leg.thigh], leg) * free[:, side, None]
+    air = np.stack([_freedom(side, _AROUND_S * motion.fps) for side in held.T], axis=1)
+    apart.step_around(paths, ankles, air, yaws, length, motion.fps)
+    feet: list[Array] = []
+    for leg, path, found, pitch in zip(legs, paths, apart_there, pitches, strict=True):
         path[:, 2] = leg.height + locks.clear(path[:, 2] - leg.height, found, motion.fps)
-        toes[:, side] = path
         heel_up = quat.from_rotation_vector(-pitch.right * locks.tilt(found, len(motion))[:, None])
         feet.append(quat.multiply(heel_up, rotations[leg.foot]))
-    return FootPlan(toes, np.stack(feet, axis=1), held)
+    return FootPlan(np.stack(paths, axis=1), np.stack(feet, axis=1), held)
 
 
 def level_soles(plan: FootPlan, legs: Sequence[Leg], soles: Array) -> FootPlan:

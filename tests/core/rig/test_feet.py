@@ -71,10 +71,15 @@ def test_the_foot_comes_and_goes_without_a_jerk(sliding: Motion, contacts: np.nd
     assert bump < 1.6 * before
 
 
-def test_a_walk_with_planted_feet_stays_as_it_is(walk: Motion, contacts: np.ndarray) -> None:
+def test_a_walk_with_planted_feet_stays_as_it_is(walk: Motion, contacts: np.ndarray, world) -> None:
     locked, _ = lock(walk, contacts)
-    away = np.linalg.norm(locked.forward()[0] - walk.forward()[0], axis=-1)
-    assert np.median(away.max(axis=1)) < 0.005 and away.max() < 0.04
+    away = np.linalg.norm(locked.forward()[0] - walk.forward()[0], axis=-1).max(axis=1)
+    # where it turns back its ankles pass at 4 cm, and are led around each other
+    ankles = [world(walk, f"foot.{side}")[0] for side in "LR"]
+    near = np.linalg.norm((ankles[1] - ankles[0])[:, :2], axis=-1) < 0.11
+    around = np.convolve(near, np.ones(31), "same") > 0.0
+    assert near.sum() < 20
+    assert np.median(away) < 0.005 and away[~around].max() < 0.04 and away.max() < 0.07
     np.testing.assert_array_equal(locked.positions, walk.positions)
 
 
