@@ -28,9 +28,11 @@ _HELP_MOST = np.radians(30.0)
 """Greatest turn of a clavicle."""
 _SLACK = 0.9e-3
 """Metres by which an arm stays short of straight: an elbow that locks snaps."""
+_EASY = np.array([0.2, 0.75, -0.63])
+"""From shoulder to wrist where an arm is at ease: outward, ahead and down."""
 _ELBOW = np.array([0.4, -0.4, -0.85])
-"""Where an elbow likes to be, seen from the line between shoulder and wrist: outward, back and down."""
-_FROM_HAND, _FROM_MOTION = 0.5, 0.4
+"""Where an elbow likes to be, seen from there: outward, back and down."""
+_FROM_HAND, _FROM_MOTION = 0.3, 0.3
 """Say of the hand's own axis and of the matched motion's elbow, beside 1 for where an elbow likes to be."""
 _OWN_SAY = 0.5
 """Say of all these together beside 1 for where the trackers tell the elbow to be."""
@@ -38,6 +40,8 @@ _AIM_S = 0.08
 """Standard deviation in seconds of the smoothing of the elbow's plane."""
 _TWIST_SHARE = 0.6
 """Share of the hand's twist that the forearm takes."""
+_BENT, _BENT_BACK = np.cos(np.radians(45.0)), np.cos(np.radians(80.0))
+"""Cosines of half the angle between forearm and hand from which on, and at which, the forearm takes none of it."""
 _BACK = np.array([0.0, -1.0, 0.0])
 
 
@@ -103,8 +107,10 @@ def _reach(
     aim = _elbow_aim(motion.fps, side, unit(way), turns[chest], hand, limb, told)
     held = np.minimum(1.0, (longest - _SLACK) / np.maximum(distance, 1e-9))[:, None]
     mid, end, _ = two_bone.triangle(*lengths, way * held, aim)
-    arm = _hinge(turns[joints[0]], upper, mid, aim)
-    forearm = _hinge(turns[joints[1]], lower, end - mid, aim)
+    # the elbow side of both bones by the arm's plane: the forearm points back along the line where the hand is near
+    hinge = cross(way, aim)
+    arm = _hinge(turns[joints[0]], upper, mid, hinge)
+    forearm = _hinge(turns[joints[1]], lower, end - mid, hinge)
     wanted |= {joints[0]: arm, joints[1]: _twisted(forearm, end - mid, hand), joints[2]: hand}
     solved = with_world_rotations(motion, wanted)
     missed = (distance > longest) | (distance < np.abs(lengths[0] - lengths[1]) - 1e-3)
@@ -149,7 +155,10 @@ def _elbow_aim(
     """Where the elbow shall lie `(T, 3)`, seen from the line between shoulder and wrist, not of unit
     length."""
     sign = np.array([-1.0 if SIDES[side] == "L" else 1.0, 1.0, 1.0])
-    liked = quat.rotate(chest, _ELBOW * sign)
+    # carried from there the shortest way, it is smooth but for arms that point where they cannot: back, up and inward
+    local = quat.rotate(quat.conjugate(chest), line)
+    carried = quat.rotate(quat.between(np.broadcast_to(_EASY * sign, local.shape), local), _ELBOW * sign)
+    liked = unit(across(quat.rotate(chest, carried), line))
     along_hand = quat.rotate(hand, np.array([1.0, 0.0, 0.0]) * sign)
     bent = across(limb[:, 1] - limb[:, 0], unit(limb[:, 2] - limb[:, 0]))
     bent = bent / np.maximum(norm(bent)[:, None], 0.05)
@@ -160,27 +169,30 @@ def _elbow_aim(
     return across(smooth, line)
 
 
-def _hinge(rotation: Array, bone: Array, along: Array, aim: Array) -> Array:
-    """World rotation `(T, 4)` of an arm bone that runs along `along` with its elbow side towards `aim`.
+def _hinge(rotation: Array, bone: Array, along: Array, hinge: Array) -> Array:
+    """World rotation `(T, 4)` of an arm bone that runs along `along` in the arm's plane.
 
     Args:
         rotation: `(T, 4)` its world rotation in the motion.
         bone: `(T, 3)` where that has the bone's end, seen from its joint.
         along: `(T, 3)` where the end shall be.
-        aim: `(T, 3)` see `_elbow_aim`.
+        hinge: `(T, 3)` about which elbows bend: across `along`, not of unit length.
     """
     rest = plane(quat.rotate(quat.conjugate(rotation), bone), np.broadcast_to(_BACK, bone.shape))
-    return quat.from_matrix(plane(along, aim) @ np.swapaxes(rest, -1, -2))
+    return quat.from_matrix(plane(along, cross(hinge, along)) @ np.swapaxes(rest, -1, -2))
 
 
 def _twisted(forearm: Array, along: Array, hand: Array) -> Array:
     """The forearm's rotation `(T, 4)` with its share of the hand's twist about `along` `(T, 3)`."""
     axis = unit(along)
     turn = quat.multiply(hand, quat.conjugate(forearm))
-    twist = angles.wrap(2.0 * angles.arctan2(dot(turn[:, 1:], axis), turn[:, 0]))
-    # at half a turn the side of the twist is open: the share fades out lest the forearm flips
-    t = np.clip((np.pi - np.abs(twist)) / np.radians(60.0), 0.0, 1.0)
-    share = _TWIST_SHARE * smoothstep(t)
+    about, rest = dot(turn[:, 1:], axis), turn[:, 0]
+    twist = angles.wrap(2.0 * angles.arctan2(about, rest))
+    # at half a turn the side of the twist is open, and in a hand that is bent back the twist itself: the share fades
+    # out lest the forearm flips
+    t = np.clip((np.pi - np.abs(twist)) / np.radians(90.0), 0.0, 1.0)
+    bent = np.clip((np.hypot(about, rest) - _BENT_BACK) / (_BENT - _BENT_BACK), 0.0, 1.0)
+    share = _TWIST_SHARE * smoothstep(t) * smoothstep(bent)
     return quat.multiply(quat.from_rotation_vector(axis * (share * twist)[:, None]), forearm)
 
 

@@ -228,3 +228,60 @@ def test_a_clavicle_that_does_not_carry_its_arm_is_left_alone(world) -> None:
     for side, name in enumerate(SIDES):
         np.testing.assert_allclose(world(done, f"hand.{name}")[0], targets[:, side], atol=1e-6)
     np.testing.assert_array_equal(done.rotations[:, clavicle], motion.rotations[:, clavicle])
+
+
+def arm_of(upper: float, fore: float) -> Motion:
+    """Demo bodies with a right arm of these lengths, each frame a pose of its own: nothing is smoothed over time."""
+    body = standing(1)
+    skeleton = body.skeleton
+    offsets = skeleton.offsets.copy()
+    for role, length in (("forearm.R", upper), ("hand.R", fore)):
+        joint = skeleton.joint(role)
+        offsets[joint] *= length / np.linalg.norm(offsets[joint])
+    return replace(body, skeleton=replace(skeleton, offsets=offsets), fps=1e-3)
+
+
+def forearms(body: Motion, hands: np.ndarray, turns: np.ndarray, world) -> Rotation:
+    """World rotations of the right forearm with the hand at places and turned."""
+    count = len(hands)
+    many = replace(
+        body, positions=np.repeat(body.positions, count, 0), rotations=np.repeat(body.rotations, count, 0)
+    )
+    left = np.tile(world(body, "hand.L")[0], (count, 1))
+    still = np.tile([1.0, 0.0, 0.0, 0.0], (count, 1))
+    places, wanted = np.stack([left, hands], axis=1), np.stack([still, turns], axis=1)
+    placed, _ = reach_hands(many, places, wanted, np.ones((count, 2), np.bool_))
+    return Rotation.from_quat(np.roll(world(placed, "forearm.R")[1], -1, axis=-1))
+
+
+@pytest.mark.parametrize(
+    ("upper", "fore"), [(0.29, 0.25), (0.33, 0.25), (0.26, 0.26), (0.2, 0.24), (0.45, 0.4)]
+)
+def test_a_hand_that_moves_a_centimetre_turns_the_forearm_little(upper: float, fore: float, world) -> None:
+    rng, body, count = np.random.default_rng(3), arm_of(upper, fore), 6000
+    ways = rng.normal(size=(count, 3))
+    ways /= np.linalg.norm(ways, axis=-1, keepdims=True)
+    # no arm points back, up and inward
+    behind = np.array([-0.2, -0.75, 0.63])
+    ways = ways[np.degrees(np.arccos(ways @ (behind / np.linalg.norm(behind)))) > 45.0]
+    far = rng.uniform(0.3, 1.0, len(ways)) * (upper + fore)
+    hands = world(body, "upper_arm.R")[0] + ways * far[:, None]
+    steps = rng.normal(size=hands.shape)
+    steps *= 0.01 / np.linalg.norm(steps, axis=-1, keepdims=True)
+    turns = wxyz(Rotation.random(len(hands), random_state=4))
+    before, after = (forearms(body, at, turns, world) for at in (hands, hands + steps))
+    turned = np.degrees((after * before.inv()).magnitude())
+    assert np.percentile(turned, 99.0) < 10.0
+    assert turned.max() < 25.0
+
+
+@pytest.mark.parametrize("way", [(0.1, 0.9, -0.1), (-0.5, 0.7, 0.3), (0.3, 0.4, 0.8), (0.2, 0.3, -0.9)])
+def test_a_hand_that_comes_to_its_shoulder_turns_no_forearm_over(way: tuple[float, ...], world) -> None:
+    """Nearer than sqrt(upper^2 - fore^2), here 0.215 m, the forearm points back along the line."""
+    body = arm_of(0.33, 0.25)
+    far = np.arange(0.5, 0.115, -0.01)
+    hands = world(body, "upper_arm.R")[0] + far[:, None] * np.array(way) / np.linalg.norm(way)
+    turns = np.tile(wxyz(Rotation.from_euler("z", 60, degrees=True)), (len(far), 1))
+    found = forearms(body, hands, turns, world)
+    steps = np.degrees((found[1:] * found[:-1].inv()).magnitude())
+    assert steps.max() < 10.0
