@@ -9,6 +9,13 @@ from mathutils import Matrix, Vector
 from ..core.errors import InputError
 from ..core.rig.place import Place
 from .armature import role_map
+from .ground import SURFACES
+from .lookup import metres_per_unit as unit_of
+
+_BESIDE, _BACK = 1.2, 2.5
+"""Metres to the right of what is there, and behind the middle, at which a body starts that walks to and fro."""
+_FLAT, _WIDE = 0.3, 20.0
+"""Metres: what is lower, or wider, is nothing to stand beside."""
 
 
 def place_of_object(obj: bpy.types.Object, metres_per_unit: float) -> Place:
@@ -43,3 +50,17 @@ def _place(name: str, position: Vector, ahead: Vector, metres_per_unit: float) -
         raise InputError(f"{name}: it points straight up or down, so a body at it faces nowhere; turn it")
     x, y, z = (float(part) * metres_per_unit for part in position)
     return Place((x, y, z), float(np.arctan2(-ahead.x, ahead.y)))
+
+
+def free_place(scene: bpy.types.Scene) -> Place:
+    """Where a bake may start that is to be in nothing's way: beside what stands in the scene, facing -Y."""
+    unit = unit_of(scene)
+    right = 0.0
+    for obj in scene.objects:
+        if obj.type in SURFACES and obj.visible_get():
+            corners = np.array([obj.matrix_world @ Vector(corner) for corner in obj.bound_box]) * unit
+            size = np.ptp(corners, axis=0)
+            # floors are for standing on, and nobody would look for a body beside a landscape
+            if size[2] > _FLAT and size.max() < _WIDE:
+                right = max(right, float(corners[:, 0].max()) + _BESIDE)
+    return Place((right, _BACK, 0.0), np.pi)

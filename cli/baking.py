@@ -17,7 +17,7 @@ from .answers import read_answers
 from .bake_options import bake_defaults, part_of, setting_names
 from .common import choose_predictor, each, load_recording, needing, tell
 from .options import read_settings
-from .starter import starter_paths
+from .starter import use_starter
 from .verb import Report
 
 NO_BPY = "bake writes Blender files: run it in Blender, or install the Python module bpy"
@@ -34,9 +34,13 @@ class Library:
         self._predictor = functools.lru_cache(_KEPT)(lambda path, stamp: choose_predictor(path))
         self._sha256 = functools.lru_cache(_KEPT * 8)(lambda path, stamp: sha256_of(path))
 
+    def database(self, path: str | Path) -> Any:
+        """A motion database."""
+        return self._database(str(path), _stamp(path))
+
     def databases(self, paths: Sequence[str]) -> list[Any]:
         """Motion databases, all faults told together."""
-        return each(paths, lambda path: self._database(str(path), _stamp(path)))
+        return each(paths, self.database)
 
     def predictor(self, name: str | None) -> Callable[[Any], Any]:
         """The function from recording to body estimate that `--predictor` names."""
@@ -93,7 +97,9 @@ def make(
         raise InputError(f"--fps {options.fps:g}: give frames per second, such as 24")
     scene = _scene(options, targets)
     recording = _read_recording(options)
-    databases = library.databases(options.database or starter_paths(run))
+    databases = (
+        library.databases(options.database) if options.database else use_starter(run, library.database)
+    )
     predict = library.predictor(options.predictor)
     target = scene and scene(options.rig, databases[0].fps, options.fps, options.fit_range)
     for doubt in target.doubts if target else ():

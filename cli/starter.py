@@ -13,38 +13,42 @@ from .options import OutputFolder
 from .verb import Report, Verb
 
 
-def starter_paths(run: Callable[[Any], Any]) -> list[str]:
-    """The databases that a bake uses where none is named; `run` drives the job that makes them on first use."""
+def use_starter(run: Callable[[Any], Any], load: Callable[[Path], Any] | None = None) -> list[Any]:
+    """The databases of a bake that names none; `run` drives what makes them on first use, `load` reads them."""
     from ..nn.motion.starter import starter_databases
 
-    paths, notes = run(starter_databases())
+    _, databases, notes = run(starter_databases(load=load) if load else starter_databases())
     for note in notes:
         tell(f"footwork: {note}")
-    return [str(path) for path in paths]
+    return databases
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
+    from ..nn.motion.example import NAME
     from ..nn.motion.starter import RECIPES
     from ..nn.motion.takes import SCRIPTS
 
-    certain = [*(f"{name}.bvh" for name, *_ in SCRIPTS), *(f"{recipe.name}.npz" for recipe in RECIPES)]
+    takes, databases = (f"{name}.bvh" for name, *_ in SCRIPTS), (f"{recipe.name}.npz" for recipe in RECIPES)
+    certain = [f"{NAME}.csv", *takes, *databases]
     parser.add_argument(
         "-o",
         "--output",
         type=OutputFolder.of(*certain),
         required=True,
         metavar="FOLDER",
-        help="where takes (.bvh) and databases (.npz) are written; is made where it is missing",
+        help="where takes (.bvh), databases (.npz) and an example recording (.csv) go; is made where it is missing",
     )
 
 
 def _run(options: argparse.Namespace, outputs: Transaction) -> Report:
-    """Takes and databases of the motion model that ships."""
+    """Takes, databases and a recording of the motion model that ships."""
     from ..core.database.sidecar import save_database
     from ..core.jobs import part
     from ..core.mocap.bvh import write_bvh
     from ..core.mocap.export import to_bvh
+    from ..core.recording.csv_format import write_csv
     from ..nn.motion.decoder import read_model
+    from ..nn.motion.example import NAME, example_recording
     from ..nn.motion.starter import fingerprint, make_databases
     from ..nn.motion.takes import WEIGHTS, starter_takes
 
@@ -57,6 +61,8 @@ def _run(options: argparse.Namespace, outputs: Transaction) -> Report:
         write_bvh(folder / f"{name}.bvh", to_bvh(motion, name), outputs)
     for database in databases:
         save_database(folder / f"{database.name}.npz", database, outputs)
+    recording = example_recording(model)
+    write_csv(folder / f"{NAME}.csv", recording, outputs)
     seconds = sum(len(motion) / motion.fps for _, motion in takes)
     say(options, f"{folder}: {len(takes)} takes, {seconds:.0f} s")
     for database in databases:
@@ -65,6 +71,7 @@ def _run(options: argparse.Namespace, outputs: Transaction) -> Report:
             options,
             f"  {database.name}.npz: {len(database)} frames, for headset heights {low:g} to {high:g}",
         )
+    say(options, f"  {NAME}.csv: a recording of {recording.times[-1]:.0f} s to try them with")
     return {
         "folder": str(folder),
         "takes": [{"name": name, "seconds": len(motion) / motion.fps} for name, motion in takes],
@@ -76,4 +83,6 @@ def _run(options: argparse.Namespace, outputs: Transaction) -> Report:
     }
 
 
-STARTER = Verb("starter", "write the starter motion: takes and databases", _add_arguments, _run)
+STARTER = Verb(
+    "starter", "write the starter motion: takes, databases and an example recording", _add_arguments, _run
+)

@@ -15,7 +15,7 @@ from .bake_options import Said, bake_defaults, check_complete, paths_from, read_
 from .common import each, run
 from .options import InputPath, read_settings
 from .repeat import complete_bake
-from .starter import starter_paths
+from .starter import use_starter
 
 Task = dict[str, Any]
 _MOST_FAULTS = 20
@@ -72,7 +72,7 @@ def make_tasks(options: argparse.Namespace, said: Said) -> list[Task]:
         raise InputError(*faults[:_MOST_FAULTS])
     _check_shared(tasks)
     if not all(task["options"]["database"] for task in tasks):
-        starter_paths(run)  # once, not by every worker
+        use_starter(run)  # once, not by every worker
     return tasks
 
 

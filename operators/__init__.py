@@ -17,6 +17,7 @@ from . import (
     recording,
     rig,
     takes,
+    try_it,
 )
 
 SHIPPED_PRESETS = str(Path(__file__).parents[1])
@@ -31,6 +32,7 @@ CLASSES = (
     *mapping.CLASSES,
     *rig.CLASSES,
     *bake.CLASSES,
+    *try_it.CLASSES,
     *clear.CLASSES,
     *figures.CLASSES,
     *presets.CLASSES,

@@ -11,7 +11,7 @@ from ..bridge.action import check_writable, scene_fps, write_action
 from ..bridge.ground import chosen_ground
 from ..bridge.layers import check_layer, layer
 from ..bridge.load import editable
-from ..bridge.lookup import in_view, keep_object, keep_scene, leave_edit_mode, metres_per_unit
+from ..bridge.lookup import Kept, in_view, keep_object, keep_scene, leave_edit_mode, metres_per_unit
 from ..bridge.mannequin import create_mannequin
 from ..bridge.objects import recording_from_objects
 from ..bridge.places import place_of_object, place_of_rig
@@ -64,42 +64,14 @@ class Source:
     """Where the recording is to start; None for its own world."""
 
 
-class FOOTWORK_OT_bake(JobOperator, bpy.types.Operator):
-    """Bake the recording to a new action of the rig; what the rig was animated with before is kept"""
+class BakeOperator(JobOperator):
+    """Mixin for operators that bake: what becomes of the result."""
 
-    bl_idname = "footwork.bake"
-    bl_label = "Bake"
-    bl_options = {"REGISTER", "UNDO"}
     title = "Baking"
-
-    @classmethod
-    def refusal(cls, context: bpy.types.Context) -> str:
-        footwork = footwork_of(context.scene)
-        if footwork.recording_source == "FILE" and not footwork.recording_path:
-            return "Choose a recording first"
-        if footwork.recording_source == "OBJECTS" and footwork.head is None:
-            return "Pick the object that moves with the headset first"
-        if footwork.predictor == "FILE" and not footwork.predictor_path:
-            return "Choose a predictor file, or use the built-in one"
-        return ""
-
-    def start(self, context: bpy.types.Context) -> Job[Any]:
-        scene = context.scene
-        footwork = footwork_of(scene)
-        rig = footwork.rig
-        if rig is not None:
-            if rig.library is None:
-                check_writable(rig)
-            if rig.name not in scene.objects:
-                raise InputError(f"{rig.name}: it is not in this scene; pick another rig")
-            for doubt in armature.rig_doubts(rig):
-                self.tell("WARNING", f"{rig.name}: {doubt}")
-        check_layer(rig, footwork.write)
-        check_travel(rig, footwork.travel)
-        self._scene, self._rig = keep_scene(scene), None if rig is None else keep_object(rig)
-        self.kept = (self._scene,) if self._rig is None else (self._scene, self._rig)
-        self._name = footwork.action_name
-        return _bake(read_source(scene))
+    _scene: Kept
+    _rig: Kept | None = None
+    _name = ""
+    """Of the action; empty for the recording's."""
 
     def finish(self, context: bpy.types.Context, result: Any) -> None:
         scene = self._scene.find()
@@ -136,6 +108,43 @@ class FOOTWORK_OT_bake(JobOperator, bpy.types.Operator):
         for warning in result.report["warnings"]:
             self.tell("WARNING", warning)
         self.tell("INFO", f"{action.name}: {frames} frames on {rig.name}. {figures.in_short(result.report)}")
+
+
+class FOOTWORK_OT_bake(BakeOperator, bpy.types.Operator):
+    """Bake the recording to a new action of the rig; what the rig was animated with before is kept"""
+
+    bl_idname = "footwork.bake"
+    bl_label = "Bake"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def refusal(cls, context: bpy.types.Context) -> str:
+        footwork = footwork_of(context.scene)
+        if footwork.recording_source == "FILE" and not footwork.recording_path:
+            return "Choose a recording first"
+        if footwork.recording_source == "OBJECTS" and footwork.head is None:
+            return "Pick the object that moves with the headset first"
+        if footwork.predictor == "FILE" and not footwork.predictor_path:
+            return "Choose a predictor file, or use the built-in one"
+        return ""
+
+    def start(self, context: bpy.types.Context) -> Job[Any]:
+        scene = context.scene
+        footwork = footwork_of(scene)
+        rig = footwork.rig
+        if rig is not None:
+            if rig.library is None:
+                check_writable(rig)
+            if rig.name not in scene.objects:
+                raise InputError(f"{rig.name}: it is not in this scene; pick another rig")
+            for doubt in armature.rig_doubts(rig):
+                self.tell("WARNING", f"{rig.name}: {doubt}")
+        check_layer(rig, footwork.write)
+        check_travel(rig, footwork.travel)
+        self._scene, self._rig = keep_scene(scene), None if rig is None else keep_object(rig)
+        self.kept = (self._scene,) if self._rig is None else (self._scene, self._rig)
+        self._name = footwork.action_name
+        return bake_job(read_source(scene))
 
 
 def read_source(scene: bpy.types.Scene) -> Source:
@@ -195,15 +204,17 @@ def _place(scene: bpy.types.Scene) -> Place | None:
     return None
 
 
-def _bake(source: Source):
+def bake_job(source: Source) -> Job[Any]:
+    """The bake of everything that was read."""
     yield 0.0, "Reading the recording"
     recording = source.recording
     if isinstance(recording, str):
         recording = cut(read_recording(recording, source.answers), *source.part)
-    databases, notes = [], []
+    databases: list[Any] = []
+    notes: list[str] = []
     if not source.databases:
-        paths, notes = yield from part(starter_databases(), 0.0, 0.04)
-        databases = [load_database(path) for path in paths]
+        # the first time they take as long as a short bake
+        _, databases, notes = yield from part(starter_databases(), 0.01, 0.4)
     for path, height_range in source.databases:
         yield 0.02, f"Reading {Path(path).name}"
         databases.append(replace(load_database(path), height_range=height_range))
@@ -217,7 +228,7 @@ def _bake(source: Source):
         ground=source.ground,
         place=source.place,
     )
-    result = yield from part(job, 0.05, 1.0)
+    result = yield from part(job, 0.05 if source.databases else 0.4, 1.0)
     result.report["warnings"] += notes
     return result
 

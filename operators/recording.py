@@ -78,7 +78,7 @@ class FOOTWORK_OT_load_recording(FootworkOperator, ImportHelper, bpy.types.Opera
         return self.execute(context) if given else super().invoke(context, event)
 
     def work(self, context: bpy.types.Context) -> None:
-        _load(self, footwork_of(context.scene), paths.chosen(self)[0])
+        use_recording(self, footwork_of(context.scene), paths.chosen(self)[0])
 
 
 class RecordingOperator(FootworkOperator):
@@ -140,13 +140,14 @@ class FOOTWORK_OT_simulate_recording(RowOperator, ExportHelper, bpy.types.Operat
         row = self.active(context)
         take = read_take(bpy.path.abspath(row.path), answers_of(row))
         write_csv(self.filepath, simulate_recording(take.motion, take.name))
-        _load(self, footwork_of(context.scene), self.filepath)
+        use_recording(self, footwork_of(context.scene), self.filepath)
 
 
-def _load(operator: FootworkOperator, footwork: FOOTWORK_PG_scene, path: str) -> None:
-    """Make a file the scene's recording, and read it."""
+def use_recording(operator: FootworkOperator, footwork: FOOTWORK_PG_scene, path: str) -> None:
+    """Make a file the scene's recording, all of it, and read it."""
     footwork.recording_source = "FILE"
     footwork.recording_path = paths.stored(path)
+    footwork.recording_from = footwork.recording_to = 0.0
     inspect(operator, footwork)
 
 

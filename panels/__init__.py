@@ -12,10 +12,11 @@ from . import (
     quality,
     recording,
     rig,
+    start,
     takes,
 )
 
-STEPS = (takes, databases, predictor, recording, rig, bake, quality)
+STEPS = (start, takes, databases, predictor, recording, rig, bake, quality)
 CLASSES = (*preferences.CLASSES, *lists.CLASSES, *(cls for step in STEPS for cls in step.CLASSES))
 
 

@@ -155,7 +155,7 @@ class FOOTWORK_PG_scene(Versioned, bpy.types.PropertyGroup):
 
     rig: PointerProperty(
         name="Rig",
-        description="Armature to animate; empty to make one with the database's proportions",
+        description="Armature to animate; empty to make a mannequin as tall as the user",
         type=bpy.types.Object,
         poll=is_armature,
     )

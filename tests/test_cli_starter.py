@@ -16,7 +16,11 @@ def test_starter_writes_takes_and_databases_that_the_readers_take(tmp_path: Path
     assert main(["starter", "-o", str(folder), "--json", str(tmp_path / "r.json")]) == 0
     report = json.loads((tmp_path / "r.json").read_text())
     assert sorted(path.name for path in folder.iterdir()) == sorted(
-        [*(f"{name}.bvh" for name, *_ in SCRIPTS), *(f"{recipe.name}.npz" for recipe in RECIPES)]
+        [
+            "example.csv",
+            *(f"{name}.bvh" for name, *_ in SCRIPTS),
+            *(f"{recipe.name}.npz" for recipe in RECIPES),
+        ]
     )
     take = load_take(folder / "side_steps.bvh")
     assert take.doubts == ()

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -78,14 +79,17 @@ def _told(job: Job[MotionDatabase], name: str) -> Job[MotionDatabase]:
         yield fraction, f"starter motion: {name}"
 
 
-def starter_databases(folder: Path | None = None) -> Job[tuple[list[Path], list[str]]]:
+def starter_databases(
+    folder: Path | None = None, load: Callable[[Path], MotionDatabase] = load_database
+) -> Job[tuple[list[Path], list[MotionDatabase], list[str]]]:
     """The files of the starter databases, made first where they are missing, damaged or of another version.
 
     Args:
         folder: where they are kept; the user's by default.
+        load: what reads a file, for callers that keep what is read.
 
     Returns:
-        Their paths, and a line where older ones were replaced.
+        Their paths, what is in them, and a line where older ones were replaced.
 
     Raises:
         InputError: the model is damaged, or the folder cannot be written; one line.
@@ -93,22 +97,32 @@ def starter_databases(folder: Path | None = None) -> Job[tuple[list[Path], list[
     folder = folder or starter_folder()
     tag = fingerprint()
     paths = [folder / f"{recipe.name}.npz" for recipe in RECIPES]
-    why = _unfit(paths, tag)
+    found, why = _found(paths, tag, load)
     if why is None:
-        return paths, []
+        return paths, found, []
     yield 0.0, "making the starter motion, once"
     takes = yield from part(starter_takes(read_model(WEIGHTS)), 0.0, 0.4)
     databases = yield from part(make_databases(takes, tag), 0.4, 0.95)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(
-            f"{folder}: cannot be made ({error.strerror}); check its rights, or name databases yourself"
-        ) from error
-    with Transaction() as outputs:
+    with keeping(folder) as outputs:
         for path, database in zip(paths, databases, strict=True):
             save_database(path, database, outputs)
-    return paths, [why] if why else []
+    return paths, [load(path) for path in paths], [why] if why else []
+
+
+@contextlib.contextmanager
+def keeping(folder: Path) -> Generator[Transaction]:
+    """The time in which files are written into the starter folder; all of them or none.
+
+    Raises:
+        InputError: they cannot be; one line.
+    """
+    try:
+        with Transaction() as outputs:
+            outputs.folder(folder)
+            yield outputs
+    except InputError as error:
+        told = f"the starter motion cannot be kept: {error.lines[0]}"
+        raise InputError(f"{told}; or set FOOTWORK_PRESETS to another folder, or name databases") from error
 
 
 def fingerprint() -> str:
@@ -116,18 +130,21 @@ def fingerprint() -> str:
     return f"footwork {VERSION} {sha256_of(WEIGHTS)[:12]}"
 
 
-def _unfit(paths: Sequence[Path], tag: str) -> str | None:
-    """Why the files cannot be used: a line, "" where there are none, None where they can."""
+def _found(
+    paths: Sequence[Path], tag: str, load: Callable[[Path], MotionDatabase]
+) -> tuple[list[MotionDatabase], str | None]:
+    """What is in the files, and why they cannot be used: a line, "" where there are none, None where they can."""
+    found: list[MotionDatabase] = []
     if not any(path.exists() for path in paths):
-        return ""
+        return found, ""
     for path in paths:
         try:
-            tags = load_database(path).tags
+            found.append(load(path))
         except InputError as error:
-            return f"the starter motion was made again: {error}"
-        if tag not in tags:
-            return f"the starter motion was made again: {path} is of another version"
-    return None
+            return found, f"the starter motion was made again: {error}"
+        if tag not in found[-1].tags:
+            return found, f"the starter motion was made again: {path} is of another version"
+    return found, None
 
 
 def _sha256(motion: Motion) -> str:
