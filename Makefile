@@ -17,7 +17,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK = 1
 .PHONY: help venv demo test lint test-core test-blender zip bench mutants fuzz fuzz-short clean
 
 help:
-	@echo "make demo     takes, databases and a bake from nothing: out/demo.blend, out/demo.mp4, out/demo.png"
+	@echo "make demo     starter motion, an example recording and a bake from nothing: out/demo.blend, out/demo.mp4, out/demo.png"
 	@echo "make test     lint, types, all tests, and the extension in every Blender that can be had"
 	@echo "make bench    speed and memory, side by side with the alternatives"
 	@echo "make mutants  how many small faults the tests of each package notice; MUTANTS=\"rig --all\" and the like"

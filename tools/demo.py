@@ -1,4 +1,4 @@
-"""From nothing to an animated character: demo takes, databases, a recording, a bake, pictures.
+"""From nothing to an animated character: starter motion, an example recording, a bake on a mannequin, pictures.
 
 Writes into the output folder: the takes (.bvh), the databases (.npz), the recording (.csv), demo.blend, demo.mp4,
 demo.png (a contact sheet) and report.json.
@@ -14,14 +14,8 @@ from pathlib import Path
 import bpy
 import numpy as np
 from footwork.cli import main as footwork
-from footwork.core.mocap.bvh import write_bvh
-from footwork.core.mocap.demo import demo_motion
-from footwork.core.mocap.export import to_bvh
 from render import contact_sheet, film, hushed, stage
 
-DATABASES = {"walk": ("walk", "turn", "sidestep"), "crouch": ("crouch",)}
-RANGES = {"walk": ("0.88", "2"), "crouch": ("0", "0.88")}
-USER = "visit"
 MADE = {
     "demo.blend": "the scene with the animated character: open it in Blender",
     "report.json": "how good the bake is, as printed above",
@@ -45,14 +39,6 @@ def finish(code: int) -> None:
     os._exit(code)
 
 
-def make_takes(folder: Path) -> None:
-    """The takes of both databases, and the user's, which is in neither."""
-    for seed, script in enumerate(("walk", "turn", "sidestep", "crouch", USER)):
-        height = 1.68 if script == USER else 1.75
-        motion = demo_motion(script, seed, height=height)
-        write_bvh(folder / f"{script}.bvh", to_bvh(motion, script))
-
-
 def pictures(out: Path) -> None:
     """The contact sheet and the film of the baked scene."""
     bpy.ops.wm.open_mainfile(filepath=str(out / "demo.blend"))
@@ -71,23 +57,11 @@ def main() -> None:
     options = parser.parse_args()
     out: Path = options.output
     out.mkdir(parents=True, exist_ok=True)
-    make_takes(out)
-    for name, scripts in DATABASES.items():
-        takes = [str(out / f"{script}.bvh") for script in scripts]
-        verb(
-            "build-database",
-            *takes,
-            "-o",
-            str(out / f"{name}.npz"),
-            "--mirror",
-            "--height-range",
-            *RANGES[name],
-        )
-    verb("simulate-recording", str(out / f"{USER}.bvh"), "-o", str(out / "recording.csv"))
-    databases = [part for name in DATABASES for part in ("--database", str(out / f"{name}.npz"))]
+    verb("starter", "-o", str(out))
+    databases = [part for path in sorted(out.glob("starter_*.npz")) for part in ("--database", str(path))]
     verb(
         "bake",
-        str(out / "recording.csv"),
+        str(out / "example.csv"),
         *databases,
         "-o",
         str(out / "demo.blend"),

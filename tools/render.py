@@ -33,7 +33,7 @@ def stage(scene: bpy.types.Scene) -> bpy.types.Object:
     # without a graphics card every sample counts
     scene.display.render_aa = "FXAA"
     shading = scene.display.shading
-    shading.light, shading.color_type, shading.show_shadows = "STUDIO", "OBJECT", True
+    shading.light, shading.color_type, shading.show_shadows = "STUDIO", "MATERIAL", True
     shading.shadow_intensity = 0.35
     scene.world = scene.world or bpy.data.worlds.new("World")
     scene.world.color = (0.55, 0.60, 0.66)
@@ -149,7 +149,7 @@ def _flesh(scene: bpy.types.Scene, armature: bpy.types.Object) -> None:
         scene.collection.objects.link(body)
         body.parent, body.parent_type, body.parent_bone = armature, "BONE", bone.name
         body.location = (0.0, -half, 0.0)
-        body.color = _colour(bone.name)
+        _paint(mesh, _colour(bone.name))
         rounding = body.modifiers.new("Rounding", "BEVEL")
         rounding.width, rounding.segments = 0.8 * min(width, depth, half), 4
 
@@ -175,6 +175,12 @@ def _colour(name: str) -> tuple[float, float, float, float]:
     return (0.75, 0.75, 0.72, 1.0)
 
 
+def _paint(mesh: bpy.types.Mesh, colour: tuple[float, float, float, float]) -> None:
+    material = bpy.data.materials.new(mesh.name)
+    material.diffuse_color = colour
+    mesh.materials.append(material)
+
+
 def _floor(scene: bpy.types.Scene) -> None:
     """A chequered floor of one-metre tiles."""
     for shade, odd in ((0.50, 0), (0.60, 1)):
@@ -183,5 +189,5 @@ def _floor(scene: bpy.types.Scene) -> None:
         mesh = bpy.data.meshes.new("Floor")
         mesh.from_pydata(corners, [], [tuple(range(4 * i, 4 * i + 4)) for i in range(len(tiles))])
         floor = bpy.data.objects.new("Floor", mesh)
-        floor.color = (shade, shade, shade, 1.0)
+        _paint(mesh, (shade, shade, shade, 1.0))
         scene.collection.objects.link(floor)
