@@ -165,6 +165,7 @@ def bake(
         *recording.doubts,
         *estimate_doubts(estimate, fps),
         *_ground_doubts(avatar.footing, fps),
+        *_lying_doubts(avatar.lies, fps),
     )
     yardstick = Yardstick(
         played,
@@ -225,6 +226,19 @@ def _match(
     trajectory = replace(trajectory, feet=feet_evidence(estimate, head_height, settings.step_weight))
     heights = recording.positions[:, 0, 2] / recording.eye_height
     return (yield from match(trajectory, heights, databases, settings)), posture
+
+
+def _lying_doubts(lies: Array, fps: float) -> tuple[str, ...]:
+    """One line where the user lies for half a second or longer, else none."""
+    edges = np.flatnonzero(np.diff(lies > 0.5, prepend=False, append=False)).reshape(-1, 2) / fps
+    spans = [f"{first:.1f} to {last:.1f} s" for first, last in edges.tolist() if last - first >= 0.5]
+    if not spans:
+        return ()
+    more = f" and {len(spans) - 3} more times" if len(spans) > 3 else ""
+    return (
+        f"lying from {', '.join(spans[:3])}{more}: people on their feet do not show how; trunk and legs are laid flat "
+        "behind the head there, look at them",
+    )
 
 
 def _report(

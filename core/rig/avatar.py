@@ -21,6 +21,7 @@ from .feet import FootPlan, level_soles, place_feet
 from .ground import Footing, Ground, stand
 from .head import place_head
 from .known import Known
+from .lying import flat, lay_feet, lying
 
 Array = NDArray[np.floating[Any]]
 
@@ -35,6 +36,8 @@ class AvatarResult:
     """`(T, 2)` left, right foot on the ground; of planted feet the frames in which the toe stands still."""
     unreachable: NDArray[np.bool_]
     """`(T, 2)` left, right hand tracked but out of reach."""
+    lies: Array
+    """`(T,)` how much the body lies, from 0 to 1."""
     footing: Footing | None = None
     """What a scene's ground does to the body; None on a flat floor."""
 
@@ -63,14 +66,22 @@ def animate(
     targets, rotations = joint_targets(recording)
     body = retarget(motion, skeleton)
     steps = body
+    standing = float(skeleton.tpose_positions()[skeleton.joint("head"), 2])
+    head = targets[:, 0], rotations[:, 0], standing, motion.fps
+    lies = lying(*head) * recording.valid[:, 0] * settings.head
+    trunk = flat(*head)
     if settings.head:
-        body, moved = place_head(body, targets[:, 0], rotations[:, 0], recording.valid[:, 0], known)
+        body, moved = place_head(
+            body, targets[:, 0], rotations[:, 0], recording.valid[:, 0], known, (trunk, lies)
+        )
         # feet keep the matched motion's height and go along with the body over the ground
         steps = replace(steps, positions=steps.positions + np.pad(moved, ((0, 0), (0, 1))))
     plan: FootPlan = FOOT_PLANS.function(settings.feet)(steps, contacts, settings, body)
     if known is not None and known.soles is not None:
         plan = level_soles(plan, legs_of(skeleton), known.soles)
     del steps  # an hour of it is 160 MB
+    if settings.head:
+        plan = lay_feet(plan, body, trunk, lies)
     footing = None
     if ground is not None:
         plan, footing = stand(body, plan, plan.contacts, ground)
@@ -82,4 +93,4 @@ def animate(
         body, unreachable = reach_hands(
             body, targets[:, 1:], rotations[:, 1:], recording.valid[:, 1:], known and known.elbows
         )
-    return AvatarResult(body, plan.contacts, unreachable, footing)
+    return AvatarResult(body, plan.contacts, unreachable, lies, footing)

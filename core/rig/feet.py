@@ -18,9 +18,9 @@ from ..body import heel, two_bone
 from ..body.legs import Leg, legs_of
 from ..body.motion import Motion
 from ..body.pose import with_world_rotations, world_poses
-from ..maths import quat
+from ..maths import filters, quat
 from ..maths.easing import smoothstep
-from ..maths.vectors import dot, level, norm, unit
+from ..maths.vectors import across, dot, level, norm, unit
 from ..settings import BakeSettings
 from . import apart, footsteps, locks
 
@@ -29,6 +29,10 @@ Flags = NDArray[np.bool_]
 
 _SOFT_KNEE = 0.03
 """Metres: a leg bent by less takes the plane of its knee from the shin's own axes."""
+_SQUAT, _SEATED = 0.5, 0.2
+"""Heights of the thigh joint over the floor as a share of the leg's length between which knees come to point up."""
+_KNEES_UP, _ASIDE, _KNEES_S = 2.0, 0.5, 0.12
+"""Where between those they are up, say of outward beside that, and standard deviation in seconds of the smoothing."""
 _SOFT_PULL = 0.01
 """Metres over which a foot in the air that would be out of reach begins to be pulled in."""
 _FOLLOW, _SOFT_RISE = 0.5, 0.02
@@ -38,6 +42,7 @@ _FREE_S = 0.2
 """Seconds after a foot leaves the floor, and before it is back, in which both begin and end."""
 _AROUND_S = 0.08
 """The same for the way around the other leg, which is nearest soon before a foot comes down."""
+_OUTWARD = np.array([[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
 _FORWARD, _UP = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
 
 
@@ -152,6 +157,7 @@ def place_feet(motion: Motion, plan: FootPlan) -> Motion:
     """
     legs = legs_of(motion.skeleton)
     positions, rotations = world_poses(motion, [leg.end for leg in legs])
+    floor = _UP * (0.0 if plan.heights is None else plan.heights.mean(axis=1)[:, None])
     wanted: dict[int, Array] = {}
     for side, leg in enumerate(legs):
         toes, hips = plan.toes[:, side], positions[leg.thigh]
@@ -171,12 +177,35 @@ def place_feet(motion: Motion, plan: FootPlan) -> Motion:
         limb = np.stack([hips, positions[leg.shin], positions[leg.foot]], axis=1)
         bend = two_bone.bend_direction(limb, quat.rotate(rotations[leg.shin], _FORWARD), _SOFT_KNEE)
         aim = quat.rotate(quat.between(limb[:, 2] - hips, ankles - hips), bend)
+        ahead, aside = (quat.rotate(motion.rotations[:, 0], way) for way in (_FORWARD, _OUTWARD[side]))
+        aim = _knees_up(aim, ahead, aside, ankles - hips, (hips - floor)[:, 2] / leg.length, motion.fps)
         bones = np.stack([rotations[leg.thigh], rotations[leg.shin]], axis=1)
         bones, _ = two_bone.reach(limb, bones, ankles, bend, aim)
         wanted |= {leg.thigh: bones[:, 0], leg.shin: bones[:, 1], leg.foot: foot}
         if leg.end != leg.foot:
             wanted[leg.end] = tip
     return with_world_rotations(motion, wanted)
+
+
+def _knees_up(aim: Array, ahead: Array, aside: Array, way: Array, height: Array, fps: float) -> Array:
+    """Where knees shall lie `(T, 3)`: as `aim` `(T, 3)` says, but up for thighs that are near the floor.
+
+    Args:
+        aim: seen from the line from thigh to ankle.
+        ahead: `(T, 3)` where the hips look, unit vectors: knees that go up come from there.
+        aside: `(T, 3)` outward, unit vectors.
+        way: `(T, 3)` from thigh joint to ankle.
+        height: `(T,)` of the thigh joint over the floor, leg lengths.
+        fps: frames per second.
+    """
+    low = smoothstep(np.clip((_SQUAT - height) / (_SQUAT - _SEATED), 0.0, 1.0))[:, None]
+    if not low.any():
+        return aim
+    line = unit(way)
+    goal = filters.gaussian(level(ahead) + _UP + _ASIDE * aside, _KNEES_S * fps)
+    goal = unit(across(goal, line))
+    soft = np.minimum(_KNEES_UP * low, 1.0)
+    return (1.0 - soft) * unit(across(aim, line)) + soft * goal
 
 
 def _within_reach(found: list[locks.Lock], pitch: heel.Pitch, hips: Array, leg: Leg) -> list[locks.Lock]:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..body import forward_kinematics as fk
-from ..body import hierarchy
+from ..body import heel, hierarchy
 from ..body.motion import Motion
 from ..body.pose import with_world_rotations
 from ..body.trunk import neck, pelvis, spine
@@ -24,6 +24,7 @@ from ..maths.easing import smoothstep
 from ..maths.vectors import dot, norm
 from . import validity
 from .known import Known
+from .lying import towards
 
 Array = NDArray[np.floating[Any]]
 
@@ -55,6 +56,8 @@ _STOOP_FROM, _STOOP = 0.05, 0.9
 """Metres the head may sink below the motion's before the trunk bends, and radians for each metre further."""
 _LOWEST_HIPS = 0.25
 """Least height of the hips as a share of the leg's length."""
+_SEATED = 0.1
+"""The same where it is known how the trunk is turned: who sits or lies on the floor."""
 _DEEPEST_STOOP = np.radians(100.0)
 _UP = np.array([0.0, 0.0, 1.0])
 
@@ -65,6 +68,7 @@ def place_head(
     rotations: Array,
     valid: NDArray[np.bool_],
     known: Known | None = None,
+    lying: tuple[Array, Array] | None = None,
 ) -> tuple[Motion, Array]:
     """`motion` with its head joint at a target.
 
@@ -74,6 +78,7 @@ def place_head(
         rotations: `(T, 4)` its world rotation since T-pose.
         valid: `(T,)` whether the headset was tracked; elsewhere the head is left to the motion.
         known: `roots` and `chest` are used; without them the motion has its way.
+        lying: world rotations `(T, 4)` of a trunk that lies flat, and how much `(T,)` the body lies (`core.rig.lying`).
 
     Returns:
         The motion, its legs carried along by the hips, and how far `(T, 2)` the body was moved over the
@@ -94,17 +99,31 @@ def place_head(
         chain.hold_chest(known.chest, weight[:, 0], motion.fps)
     else:
         chain.straighten(filters.gaussian(target[:, 2] - chain.head()[:, 2], _POSTURE_S * motion.fps))
+    lowest = _SEATED if known.chest is not None else _LOWEST_HIPS
+    lowest *= motion.skeleton.leg_length()
+    upright = np.ones(len(motion))
+    if lying is not None:
+        trunk, lies = lying
+        if known.chest is not None:
+            lies = np.maximum(lies, chain.forced(trunk, target[:, 2] - lowest, motion.fps))
+        upright = 1.0 - lies * weight[:, 0]
+        chain.lie(trunk, 1.0 - upright)
     error = target - chain.head()
     moved = filters.gaussian(error[:, :2], _SLOW_S * motion.fps)
-    chain.stoop(_stoop(motion, chain, error, known.chest is None))
-    chain.bend(error[:, :2] - moved)
+    chain.stoop(upright * _stoop(motion, chain, error, lowest, known.chest is None))
+    chain.bend(upright[:, None] * (error[:, :2] - moved))
     if known.roots is not None:
         hips = motion.positions + target - chain.head()
-        under = _HIPS_SHARE * weight * filters.gaussian(known.roots - hips[:, :2], _SLOW_S * motion.fps)
+        under = (
+            _HIPS_SHARE
+            * upright[:, None]
+            * weight
+            * filters.gaussian(known.roots - hips[:, :2], _SLOW_S * motion.fps)
+        )
         moved = moved + chain.bend(-under)
     chain.steady(_shaking(error[:, :2], motion.fps), _CARRY_S * motion.fps)
     hips = motion.positions + target - chain.head()
-    hips[:, 2] = np.maximum(hips[:, 2], np.minimum(_lowest(motion), motion.positions[:, 2]))
+    hips[:, 2] = np.maximum(hips[:, 2], np.minimum(lowest, motion.positions[:, 2]))
     joints = {joint: chain.rotations[:, k] for k, joint in enumerate(chain.joints)}
     return with_world_rotations(motion, joints, hips), moved
 
@@ -161,6 +180,24 @@ class _Chain:
                 share = 1.0 - (i - self.chest) / (self.necks + 1)
             # where the pelvis faces is known better
             self._rotate(i, share * (turn if i >= self.pelvis else turn * (1.0, 1.0, 0.0)))
+
+    def lie(self, trunk: Array, weight: Array) -> None:
+        """Turn all joints below the head towards world rotations `(T, 4)` by weights `(T,)`."""
+        for i in range(len(self.joints) - 1):
+            self.rotations[:, i] = towards(self.rotations[:, i], trunk, weight)
+
+    def forced(self, trunk: Array, room: Array, fps: float) -> Array:
+        """Weights `(T,)` for `lie` at which the head is no higher than `room` `(T,)` over the hips."""
+        given, weight = self.rotations.copy(order="F"), np.zeros(len(room))
+        tight = (self.head() - self.hips)[:, 2] > room
+        if tight.any():
+            for bit in range(1, 7):
+                tried = weight + 0.5**bit
+                self.lie(trunk, tried)
+                weight = np.where(tight & ((self.head() - self.hips)[:, 2] > room), tried, weight)
+                self.rotations[:] = given
+            weight = np.where(tight, weight + 0.5**6, 0.0)
+        return np.minimum(heel.smooth_peaks(weight, _POSTURE_S * fps), 1.0)
 
     def straighten(self, height: Array) -> None:
         """Draw spine and neck up to raise the head by `height` `(T,)`, as far as they are not straight
@@ -233,15 +270,11 @@ def _shaking(error: Array, fps: float) -> Array:
     return square / (square + _OWN**2)
 
 
-def _lowest(motion: Motion) -> float:
-    return _LOWEST_HIPS * motion.skeleton.leg_length()
-
-
-def _stoop(motion: Motion, chain: _Chain, error: Array, guessed: bool = True) -> Array:
+def _stoop(motion: Motion, chain: _Chain, error: Array, lowest: float, guessed: bool = True) -> Array:
     """How far `(T,)` the trunk bends forward for a head that is `error` `(T, 3)` away: as people do where that is to be
     `guessed`, and else only where the hips would come too low."""
     drop = np.maximum(-error[:, 2] - _STOOP_FROM, 0.0)
     upright = np.maximum(chain.head()[:, 2] - motion.positions[:, 2], 0.1)
-    room = np.clip((chain.head()[:, 2] + error[:, 2] - _lowest(motion)) / upright, -1.0, 1.0)
+    room = np.clip((chain.head()[:, 2] + error[:, 2] - lowest) / upright, -1.0, 1.0)
     wanted = np.minimum(np.maximum(_STOOP * drop * guessed, np.arccos(room) * (room < 1.0)), _DEEPEST_STOOP)
     return filters.gaussian(wanted, 0.1 * motion.fps)

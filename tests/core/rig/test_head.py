@@ -298,7 +298,9 @@ def test_a_stoop_follows_the_drop_and_what_room_hips_have(drop: float) -> None:
     left = (0.95 + 0.65 - drop - 0.21) / 0.65
     wanted = min(max(by_drop, np.arccos(min(left, 1.0))), np.radians(100.0))
     error = np.tile([0.0, 0.0, -drop], (40, 1))
-    np.testing.assert_allclose(_stoop(body, _Chain(body), error), wanted, atol=1e-9)
+    np.testing.assert_allclose(
+        _stoop(body, _Chain(body), error, 0.25 * body.skeleton.leg_length()), wanted, atol=1e-9
+    )
 
 
 @pytest.mark.parametrize("radius", [0.0005, 0.002, 0.01])
