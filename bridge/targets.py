@@ -19,6 +19,7 @@ from .action import check_writable, scene_fps, write_action
 from .armature import armature_to_rig, create_armature, rig_doubts, some
 from .errors import writing
 from .exports import Baked, kind_of
+from .fewer_keys import check_fewer_keys, thin_out
 from .ground import chosen_ground
 from .layers import check_layer, layer
 from .load import append, armature_of, check_ground, editable, open_rig, split_rig
@@ -62,6 +63,8 @@ class Target:
     """Whether exports are of deforming bones alone."""
     body: bool = True
     """Whether an armature that is made has a mesh."""
+    fewer_keys: float = 0.0
+    """Millimetres within which keys are left out; 0 for all keys."""
 
     @property
     def name(self) -> str:
@@ -125,6 +128,7 @@ class Target:
         rig = bpy.data.objects.get(self.object_name) if self.rig else None
         check_layer(rig, self.write_as.upper())
         check_travel(rig, self.travel)
+        check_fewer_keys(self.fewer_keys)
 
     def write(self, result: BakeResult, recording: str) -> None:
         """Give the rig its action, made first where the file had none, and fit the scene to it."""
@@ -144,6 +148,7 @@ class Target:
         if self.travel == "root":
             carry_on_root(armature, scene, result, start)
         prove(armature, scene, result, start)
+        thin_out(armature, result, start, self.fewer_keys)
         self.motion, self.frames = result.motion, (start, start + max(len(result.tracks.rotations), 1) - 1)
 
     def save(self, paths: Sequence[str], outputs: Transaction) -> None:

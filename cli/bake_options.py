@@ -99,6 +99,14 @@ def _add_layers(parser: argparse.ArgumentParser) -> None:
         help="what carries the way over the ground: the hips, a root bone above them, or nothing (default: hips)",
     )
     parser.add_argument(
+        "--fewer-keys",
+        type=float,
+        default=0.0,
+        metavar="MM",
+        help="leave out keys without which no joint is farther than this from where all keys have it, in millimetres "
+        "(default: 0, all keys)",
+    )
+    parser.add_argument(
         "--deform-only",
         action=argparse.BooleanOptionalAction,
         help="export deforming bones alone, with the bones above them (default: for an engine)",

@@ -108,7 +108,7 @@ def make(
     place = target.place(options.at) if target else None
     if target:
         target.write_as, target.blend = options.layer, options.blend
-        target.body = options.body
+        target.body, target.fewer_keys = options.body, options.fewer_keys
         target.for_engine(options.engine or "", options.travel, options.deform_only)
         target.check()
     fps = target.fps if target else options.fps or databases[0].fps

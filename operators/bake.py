@@ -8,6 +8,7 @@ import bpy
 
 from ..bridge import armature
 from ..bridge.action import check_writable, scene_fps, write_action
+from ..bridge.fewer_keys import thin_out
 from ..bridge.ground import chosen_ground
 from ..bridge.layers import check_layer, layer
 from ..bridge.load import editable
@@ -101,6 +102,7 @@ class BakeOperator(JobOperator):
         if footwork.travel == "root":
             carry_on_root(rig, scene, result, footwork.frame_start)
         prove(rig, scene, result, footwork.frame_start)
+        thin_out(rig, result, footwork.frame_start, typed(footwork.fewer_keys))
         action = layer(rig, footwork.write, footwork.blend)
         figures.show(footwork, result.report, f"{action.name} on {rig.name}", scene_fps(scene))
         text = bpy.data.texts.get(REPORT) or bpy.data.texts.new(REPORT)

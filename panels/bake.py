@@ -68,7 +68,15 @@ class FOOTWORK_PT_bake(Part, bpy.types.Panel):
             body.prop(footwork, "write")
             if footwork.write != "NEW":
                 body.prop(footwork, "blend")
-            for name in ("action_name", "frame_start", "mannequin", "fit_range", "markers", "keep_previous"):
+            body.prop(footwork, "fewer_keys")
+            for name in (
+                "action_name",
+                "frame_start",
+                "mannequin",
+                "fit_range",
+                "markers",
+                "keep_previous",
+            ):
                 body.prop(footwork, name)
         job_button(layout, "footwork.bake", "ARMATURE_DATA", 1.6)
         layout.operator("footwork.clear_bake", icon="X")

@@ -209,6 +209,17 @@ class FOOTWORK_PG_scene(Versioned, bpy.types.PropertyGroup):
         min=0,
         soft_max=60,
     )
+    fewer_keys: FloatProperty(
+        name="Fewer Keys (mm)",
+        description="Leave out keys without which no joint is farther than this from where all keys have it, so that "
+        "curves can be edited; 0 for all keys",
+        default=0.0,
+        min=0.0,
+        max=100.0,
+        soft_max=10.0,
+        step=10,
+        precision=2,
+    )
     action_name: StringProperty(
         name="Action", description="Name of the new action; empty for the recording's name"
     )
