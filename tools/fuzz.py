@@ -28,7 +28,7 @@ from collections import Counter
 from pathlib import Path
 
 import numpy as np
-from footwork.core.errors import InputError
+from footwork.core.errors import LONGEST, InputError
 from fuzz_changes import change_bytes
 from fuzz_readers import Reader, readers
 from fuzz_verbs import run_verb
@@ -74,7 +74,7 @@ def tried(reader: Reader, path: Path, rng: random.Random) -> tuple[str, str]:
             reader.carry(value, path)
             came = "carried"
     except InputError as error:
-        if not all(line.isprintable() and len(line) <= 300 for line in error.lines):
+        if not all(line.isprintable() and len(line) <= LONGEST for line in error.lines):
             return came, f"message {str(error)!r}"
     except Exception as error:
         at = traceback.extract_tb(error.__traceback__)[-1]

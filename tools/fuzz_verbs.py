@@ -9,9 +9,9 @@ import shutil
 from pathlib import Path
 
 from footwork.cli import main
+from footwork.core.errors import LONGEST
 
 WITH_BPY = importlib.util.find_spec("bpy") is not None
-LONGEST = 300
 
 
 def run_verb(text: str, path: Path) -> int:

@@ -138,12 +138,12 @@ def test_older_actions_in_a_file_from_the_command_line_look_as_before(empty, rea
     from footwork.bridge.targets import open_target
     from footwork.core.jobs import run
     from footwork.core.transaction import Transaction
-    from footwork.operators.bake import _bake, read_source
+    from footwork.operators.bake import bake_job, read_source
 
     obj = posed(empty)
     obj.animation_data.action_influence = 1.0
     empty.footwork.rig, empty.footwork.recording_to = obj, 2.0
-    result = run(_bake(read_source(empty)))
+    result = run(bake_job(read_source(empty)))
     rig, out = str(tmp_path / "rig.blend"), str(tmp_path / "out.blend")
     expected, pose = looks(obj, empty), before.state_of(obj)["pose"]
     bpy.ops.wm.save_as_mainfile(filepath=rig)

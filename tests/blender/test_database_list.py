@@ -38,7 +38,7 @@ def test_every_row_plays_at_the_heights_that_it_says(rows, recording) -> None:
     source = bake.read_source(bpy.context.scene)
     assert [path.rsplit("/", 1)[-1] for path, _ in source.databases] == ["low.npz", "high.npz", "middle.npz"]
     assert [span for _, span in source.databases] == [RANGES[name] for name in ("low", "high", "middle")]
-    played = run(bake._bake(source)).playback.database
+    played = run(bake.bake_job(source)).playback.database
     user = resample(read_recording(recording), 60.0)
     ratio = user.positions[:, 0, 2] / user.eye_height
     for index, name in enumerate(("low", "high", "middle")):
@@ -57,7 +57,7 @@ def test_the_order_of_the_rows_decides_where_ranges_meet(rows) -> None:
             bpy.ops.footwork.move_database(step=-1)
         source = bake.read_source(bpy.context.scene)
         assert f"{first}.npz" in source.databases[0][0]
-        assert (run(bake._bake(source)).playback.database == 0).all()
+        assert (run(bake.bake_job(source)).playback.database == 0).all()
 
 
 def test_the_report_names_what_was_used(rows) -> None:
