@@ -52,7 +52,8 @@ def test_other_kinds_are_refused_before_any_work(database, recording, tmp_path, 
 def test_each_kind_is_written(database, recording, tmp_path, export) -> None:
     out = tmp_path / f"run{export.suffix}"
     # the importer of glTF in Blender 4.2 now and then crashes on a mesh with weights
-    assert bake(database, recording, tmp_path / "run.blend", "--no-body", "--export", str(out)) == 0
+    bare = ("--no-body",) if bpy.app.version < (4, 5) else ()
+    assert bake(database, recording, tmp_path / "run.blend", *bare, "--export", str(out)) == 0
     if export.suffix == ".bvh":
         assert len(load_take(out).motion) == pytest.approx(121, abs=1)
         return
