@@ -58,7 +58,9 @@ def main() -> None:
     out: Path = options.output
     out.mkdir(parents=True, exist_ok=True)
     verb("starter", "-o", str(out))
-    databases = [part for path in sorted(out.glob("starter_*.npz"), reverse=True) for part in ("--database", str(path))]
+    databases = [
+        part for path in sorted(out.glob("starter_*.npz"), reverse=True) for part in ("--database", str(path))
+    ]
     verb(
         "bake",
         str(out / "example.csv"),
