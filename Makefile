@@ -64,8 +64,10 @@ $(VENV)-%/.ready:
 	@$(VENV)-$*/bin/pip install -qq bpy==$* pytest $(if $(filter 4.2%,$*),"numpy<2")
 	@touch $@
 
+# Exports have a process of their own: Blender 4.2's glTF add-on now and then crashes in one that has loaded many files.
 test-blender-%: $(VENV)-%/.ready zip
-	timeout -k 5 600 $(VENV)-$*/bin/python tests/blender/run.py
+	timeout -k 5 600 $(VENV)-$*/bin/python tests/blender/run.py --ignore=tests/blender/test_exports.py
+	timeout -k 5 300 $(VENV)-$*/bin/python tests/blender/run.py -k test_exports
 
 test-blender: $(foreach version,$(OTHER_BPY),test-blender-$(version))
 
